@@ -1,0 +1,33 @@
+# One static library per room of the house, with our warnings and the sanitizers that a preset asks for.
+
+add_library(ecorche_options INTERFACE)
+target_include_directories(ecorche_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
+target_compile_options(ecorche_options INTERFACE -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict)
+# Symbols for profiles cost nothing at run time; line tables alone keep the build small and quick.
+target_compile_options(ecorche_options INTERFACE $<$<CONFIG:Release>:-g1>)
+if(ECORCHE_SANITIZE)
+  target_compile_options(ecorche_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -O1)
+  target_link_options(ecorche_options INTERFACE -fsanitize=address,undefined)
+endif()
+if(ECORCHE_CHECKED)
+  target_compile_definitions(ecorche_options INTERFACE ECORCHE_CHECKED=1)
+endif()
+
+# ecorche_add_module(mesh SOURCES ... PUBLIC libs PRIVATE libs) makes ecorche::mesh.
+function(ecorche_add_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target ecorche_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(ecorche::${name} ALIAS ${target})
+  target_link_libraries(${target} PUBLIC ecorche_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# ecorche_add_test(mesh SOURCES ... LIBS ...) makes the program test_mesh; each TEST_CASE is a test of ctest.
+function(ecorche_add_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  set(target test_${name})
+  add_executable(${target} ${ARG_SOURCES})
+  target_link_libraries(${target} PRIVATE ecorche_options ecorche_test_support ${ARG_LIBS})
+  catch_discover_tests(${target} TEST_PREFIX "${name}: " PROPERTIES TIMEOUT 300
+                       ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
+endfunction()

@@ -1,0 +1,241 @@
+#include <ecorche/core/files.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+namespace ecorche {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A name that no other process and no other thread of this one uses, and that tells whose it is.
+std::string stagingName(const fs::path& target) {
+  static std::atomic<int> counter{0};
+  return fmt::format(".{}.ecorche-{}-{}", target.filename().string(), getpid(), counter++);
+}
+
+// Staging names end in "-PID-N"; a leftover is one whose process is gone.
+bool ownerIsGone(const std::string& fileName) {
+  const auto last = fileName.rfind('-');
+  if (last == std::string::npos || last == 0) return false;
+  const auto first = fileName.rfind('-', last - 1);
+  if (first == std::string::npos) return false;
+  const long pid = std::strtol(fileName.c_str() + first + 1, nullptr, 10);
+  return pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
+}
+
+void removeLeftovers(const fs::path& target) {
+  const std::string prefix = "." + target.filename().string() + ".ecorche-";
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(target.parent_path(), ignored)) {
+    const std::string file = entry.path().filename().string();
+    if (file.starts_with(prefix) && ownerIsGone(file)) fs::remove_all(entry.path(), ignored);
+  }
+}
+
+fs::path absoluteTarget(const fs::path& target) {
+  fs::path full = fs::absolute(target).lexically_normal();
+  if (!full.has_filename()) full = full.parent_path();
+  return full;
+}
+
+}  // namespace
+
+Result<std::string> readFile(const fs::path& file) {
+  std::error_code ec;
+  if (!fs::exists(file, ec)) {
+    return fail(ErrorCode::FileMissing,
+                "there is no such file; check the path, relative ones start at the project's folder",
+                {.file = file.string()});
+  }
+  if (fs::is_directory(file, ec)) {
+    return fail(ErrorCode::FileNotReadable, "this is a folder, a file is needed",
+                {.file = file.string()});
+  }
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) {
+    return fail(ErrorCode::FileNotReadable,
+                fmt::format("the file cannot be opened: {}", std::strerror(errno)),
+                {.file = file.string()});
+  }
+  std::string bytes(static_cast<std::size_t>(in.tellg()), '\0');
+  in.seekg(0);
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!in) {
+    return fail(ErrorCode::FileNotReadable, "the file cannot be read to its end",
+                {.file = file.string()});
+  }
+  if (bytes.empty()) {
+    return fail(ErrorCode::FileEmpty, "the file is empty; export it again", {.file = file.string()});
+  }
+  return bytes;
+}
+
+Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
+  const fs::path target = absoluteTarget(file);
+  const fs::path staged = target.parent_path() / stagingName(target);
+  const auto refuse = [&](const char* act) {
+    const int code = errno;
+    ::unlink(staged.c_str());
+    return fail(ErrorCode::FileNotWritable,
+                fmt::format("cannot {} the file: {}; choose another folder or free some space", act,
+                            std::strerror(code)),
+                {.file = file.string()});
+  };
+
+  const int fd = ::open(staged.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) return refuse("create");
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      const int code = errno;
+      ::close(fd);
+      errno = code;
+      return refuse("write");
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  if (::fsync(fd) != 0 && errno != EINVAL && errno != EROFS) {
+    const int code = errno;
+    ::close(fd);
+    errno = code;
+    return refuse("flush");
+  }
+  ::close(fd);
+  if (::rename(staged.c_str(), target.c_str()) != 0) return refuse("replace");
+  return {};
+}
+
+struct StagedFolder::Impl {
+  fs::path target;
+  fs::path staged;
+  bool committed = false;
+  ~Impl() {
+    std::error_code ignored;
+    if (!committed) fs::remove_all(staged, ignored);
+  }
+};
+
+StagedFolder::StagedFolder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+StagedFolder::StagedFolder(StagedFolder&&) noexcept = default;
+StagedFolder& StagedFolder::operator=(StagedFolder&&) noexcept = default;
+StagedFolder::~StagedFolder() = default;
+
+Result<StagedFolder> StagedFolder::create(const fs::path& target) {
+  auto impl = std::make_unique<Impl>();
+  impl->target = absoluteTarget(target);
+  impl->committed = true;  // nothing to remove yet
+  std::error_code ec;
+  if (fs::exists(impl->target, ec) && !fs::is_directory(impl->target, ec)) {
+    return fail(ErrorCode::FileNotWritable, "the output is a file, a folder is needed; name another",
+                {.file = target.string()});
+  }
+  // Renaming needs write permission on the parent; replacing needs it on the old folder as well.
+  fs::create_directories(impl->target.parent_path(), ec);
+  if (fs::exists(impl->target) && ::access(impl->target.c_str(), W_OK) != 0) {
+    return fail(ErrorCode::FileNotWritable,
+                "the output folder may not be written; change its permissions or name another",
+                {.file = target.string()});
+  }
+  removeLeftovers(impl->target);
+  impl->staged = impl->target.parent_path() / stagingName(impl->target);
+  if (!fs::create_directory(impl->staged, ec)) {
+    return fail(ErrorCode::FileNotWritable,
+                fmt::format("cannot create the output folder: {}; choose another place",
+                            ec ? ec.message() : "it exists"),
+                {.file = target.string()});
+  }
+  impl->committed = false;
+  return StagedFolder(std::move(impl));
+}
+
+const fs::path& StagedFolder::path() const { return impl_->staged; }
+
+Result<void> StagedFolder::commit() {
+  const auto refuse = [&](const char* act) {
+    return fail(ErrorCode::FileNotWritable,
+                fmt::format("cannot {} the output folder: {}", act, std::strerror(errno)),
+                {.file = impl_->target.string()});
+  };
+  ::sync();
+  std::error_code ec;
+  if (!fs::exists(impl_->target, ec)) {
+    if (::rename(impl_->staged.c_str(), impl_->target.c_str()) != 0) return refuse("rename");
+    impl_->committed = true;
+    return {};
+  }
+  // Swap old and new in one step, so that the name never stands for nothing; then drop the old one.
+#ifdef RENAME_EXCHANGE
+  if (::renameat2(AT_FDCWD, impl_->staged.c_str(), AT_FDCWD, impl_->target.c_str(),
+                  RENAME_EXCHANGE) == 0) {
+    impl_->committed = true;
+    fs::remove_all(impl_->staged, ec);
+    return {};
+  }
+#endif
+  const fs::path old = impl_->staged.string() + "-old";
+  if (::rename(impl_->target.c_str(), old.c_str()) != 0) return refuse("replace");
+  if (::rename(impl_->staged.c_str(), impl_->target.c_str()) != 0) {
+    const int code = errno;
+    ::rename(old.c_str(), impl_->target.c_str());
+    errno = code;
+    return refuse("replace");
+  }
+  impl_->committed = true;
+  fs::remove_all(old, ec);
+  return {};
+}
+
+struct Hasher::Impl {
+  XXH3_state_t* state = XXH3_createState();
+  ~Impl() { XXH3_freeState(state); }
+};
+
+Hasher::Hasher() : impl_(std::make_unique<Impl>()) { XXH3_128bits_reset(impl_->state); }
+Hasher::~Hasher() = default;
+
+void Hasher::bytes(const void* data, std::size_t size) {
+  if (size > 0) XXH3_128bits_update(impl_->state, data, size);
+}
+void Hasher::text(std::string_view s) {
+  number(static_cast<std::int64_t>(s.size()));
+  bytes(s.data(), s.size());
+}
+void Hasher::number(double x) { bytes(&x, sizeof x); }
+void Hasher::number(std::int64_t x) { bytes(&x, sizeof x); }
+
+std::string Hasher::hex() const {
+  const XXH128_hash_t h = XXH3_128bits_digest(impl_->state);
+  return fmt::format("{:016x}{:016x}", h.high64, h.low64);
+}
+
+fs::path cacheFolder() {
+  if (const char* own = std::getenv("ECORCHE_CACHE"); own != nullptr && *own != '\0') return own;
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') {
+    return fs::path(xdg) / "ecorche";
+  }
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    return fs::path(home) / ".cache" / "ecorche";
+  }
+  return fs::temp_directory_path() / "ecorche-cache";
+}
+
+fs::path programFolder() {
+  std::error_code ec;
+  const fs::path self = fs::read_symlink("/proc/self/exe", ec);
+  return ec ? fs::current_path() : self.parent_path();
+}
+
+}  // namespace ecorche

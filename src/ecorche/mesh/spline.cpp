@@ -1,0 +1,233 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/mesh/spline.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace ecorche::mesh {
+
+Spline::Spline(std::vector<Vector3> points) : points_(std::move(points)) {
+  EC_REQUIRE(points_.size() >= 2);
+  for (std::size_t p = 1; p < points_.size(); ++p) EC_REQUIRE(points_[p] != points_[p - 1]);
+
+  extended_.push_back(2.0 * points_.front() - points_[1]);
+  extended_.insert(extended_.end(), points_.begin(), points_.end());
+  extended_.push_back(2.0 * points_.back() - points_[points_.size() - 2]);
+
+  knots_.push_back(0.0);
+  for (std::size_t p = 1; p < extended_.size(); ++p) {
+    knots_.push_back(knots_.back() + std::sqrt((extended_[p] - extended_[p - 1]).norm()));
+  }
+  cumulative_.push_back(0.0);
+  for (std::size_t p = 1; p < points_.size(); ++p) {
+    cumulative_.push_back(cumulative_.back() +
+                          arc(static_cast<double>(p) - 1.0, static_cast<double>(p)));
+  }
+}
+
+namespace {
+
+// Segment between control points p and p+1 as Barry and Goldman's pyramid; s in [0, 1].
+struct Segment {
+  const Vector3* P;  // four points
+  const double* t;   // their knots
+  double s;
+
+  Vector3 value(Vector3* derivative) const {
+    const double x = t[1] + s * (t[2] - t[1]);
+    const auto mix = [&](const Vector3& a, const Vector3& b, double ta, double tb) {
+      return Vector3(((tb - x) * a + (x - ta) * b) / (tb - ta));
+    };
+    const Vector3 A1 = mix(P[0], P[1], t[0], t[1]);
+    const Vector3 A2 = mix(P[1], P[2], t[1], t[2]);
+    const Vector3 A3 = mix(P[2], P[3], t[2], t[3]);
+    const Vector3 B1 = mix(A1, A2, t[0], t[2]);
+    const Vector3 B2 = mix(A2, A3, t[1], t[3]);
+    if (derivative != nullptr) {
+      const Vector3 dA1 = (P[1] - P[0]) / (t[1] - t[0]);
+      const Vector3 dA2 = (P[2] - P[1]) / (t[2] - t[1]);
+      const Vector3 dA3 = (P[3] - P[2]) / (t[3] - t[2]);
+      const Vector3 dB1 = (A2 - A1) / (t[2] - t[0]) + mix(dA1, dA2, t[0], t[2]);
+      const Vector3 dB2 = (A3 - A2) / (t[3] - t[1]) + mix(dA2, dA3, t[1], t[3]);
+      *derivative = ((B2 - B1) / (t[2] - t[1]) + mix(dB1, dB2, t[1], t[2])) * (t[2] - t[1]);
+    }
+    return mix(B1, B2, t[1], t[2]);
+  }
+};
+
+std::pair<std::size_t, double> locate(double u, std::size_t pointCount) {
+  const double clamped = std::clamp(u, 0.0, static_cast<double>(pointCount) - 1.0);
+  const auto p = std::min(static_cast<std::size_t>(clamped), pointCount - 2);
+  return {p, clamped - static_cast<double>(p)};
+}
+
+}  // namespace
+
+Vector3 Spline::at(double u) const {
+  const auto [p, s] = locate(u, points_.size());
+  if (s == 0.0) return points_[p];
+  if (s == 1.0) return points_[p + 1];
+  return Segment{&extended_[p], &knots_[p], s}.value(nullptr);
+}
+
+Vector3 Spline::derivative(double u) const {
+  const auto [p, s] = locate(u, points_.size());
+  Vector3 d;
+  (void)Segment{&extended_[p], &knots_[p], s}.value(&d);
+  return d;
+}
+
+Vector3 Spline::tangent(double u) const {
+  const Vector3 d = derivative(u);
+  const double length = d.norm();
+  if (length > 0.0) return d / length;
+  const auto [p, s] = locate(u, points_.size());
+  return (points_[p + 1] - points_[p]).normalized();
+}
+
+double Spline::arc(double u0, double u1) const {
+  // Ten-point Gauss–Legendre on four pieces: full double precision for anything an artist draws
+  static constexpr std::array<double, 5> kX = {0.1488743389816312, 0.4333953941292472,
+                                               0.6794095682990244, 0.8650633666889845,
+                                               0.9739065285171717};
+  static constexpr std::array<double, 5> kW = {0.2955242247147529, 0.2692667193099963,
+                                               0.2190863625159820, 0.1494513491505806,
+                                               0.0666713443086881};
+  constexpr int kPieces = 4;
+  double sum = 0.0;
+  for (int piece = 0; piece < kPieces; ++piece) {
+    const double a = u0 + (u1 - u0) * piece / kPieces;
+    const double b = u0 + (u1 - u0) * (piece + 1) / kPieces;
+    for (std::size_t k = 0; k < kX.size(); ++k) {
+      const double h = 0.5 * (b - a);
+      const double m = 0.5 * (a + b);
+      sum += kW[k] * h * (derivative(m - h * kX[k]).norm() + derivative(m + h * kX[k]).norm());
+    }
+  }
+  return sum;
+}
+
+double Spline::length() const { return cumulative_.empty() ? 0.0 : cumulative_.back(); }
+
+double Spline::lengthTo(double u) const {
+  const auto [p, s] = locate(u, points_.size());
+  if (s == 0.0) return cumulative_[p];
+  return cumulative_[p] + arc(static_cast<double>(p), static_cast<double>(p) + s);
+}
+
+double Spline::parameterAt(double arcLength) const {
+  const double target = std::clamp(arcLength, 0.0, length());
+  const auto above = std::ranges::lower_bound(cumulative_, target);
+  if (above == cumulative_.begin()) return 0.0;
+  const auto p = static_cast<std::size_t>(above - cumulative_.begin()) - 1;
+  if (*above == target) return static_cast<double>(p) + 1.0;
+
+  // Newton on the monotone length, kept inside its bracket
+  double lo = static_cast<double>(p);
+  double hi = lo + 1.0;
+  double u = lo + (target - cumulative_[p]) / (cumulative_[p + 1] - cumulative_[p]);
+  for (int step = 0; step < 50; ++step) {
+    const double error = lengthTo(u) - target;
+    if (std::abs(error) <= 1e-12 * length()) break;
+    (error > 0.0 ? hi : lo) = u;
+    const double speed = derivative(u).norm();
+    double next = speed > 0.0 ? u - error / speed : lo;
+    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
+    u = next;
+  }
+  return u;
+}
+
+double Spline::interpolate(const std::vector<double>& values, double u) const {
+  EC_REQUIRE_EQ(values.size(), points_.size());
+  const auto [p, s] = locate(u, points_.size());
+  if (s == 0.0) return values[p];
+  const double share = (lengthTo(u) - cumulative_[p]) / (cumulative_[p + 1] - cumulative_[p]);
+  return (1.0 - share) * values[p] + share * values[p + 1];
+}
+
+Spline::Samples Spline::sample(double spacing) const {
+  EC_REQUIRE(spacing > 0.0);
+  Samples out;
+  for (std::size_t p = 0; p + 1 < points_.size(); ++p) {
+    const double piece = cumulative_[p + 1] - cumulative_[p];
+    const int steps = std::max(1, static_cast<int>(std::ceil(piece / spacing)));
+    for (int k = 0; k < steps; ++k) {
+      const double u = k == 0 ? static_cast<double>(p) : parameterAt(cumulative_[p] + piece * k / steps);
+      out.u.push_back(u);
+      out.point.push_back(at(u));
+    }
+  }
+  out.u.push_back(lastParameter());
+  out.point.push_back(points_.back());
+  return out;
+}
+
+std::vector<Vector3> fitSpline(const std::vector<Vector3>& stroke, int count) {
+  EC_REQUIRE(count >= 2);
+  // A stroke is a poly-line: drop repeated points, then parametrise by arc length
+  std::vector<Vector3> line;
+  for (const Vector3& p : stroke) {
+    if (line.empty() || p != line.back()) line.push_back(p);
+  }
+  if (static_cast<int>(line.size()) <= count) return line;
+  std::vector<double> along(line.size(), 0.0);
+  for (std::size_t k = 1; k < line.size(); ++k) {
+    along[k] = along[k - 1] + (line[k] - line[k - 1]).norm();
+  }
+  const auto onLine = [&](double s) {
+    const auto above = std::ranges::upper_bound(along, s);
+    if (above == along.end()) return line.back();
+    const auto k = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - along.begin()));
+    const double share = (s - along[k - 1]) / (along[k] - along[k - 1]);
+    return Vector3((1.0 - share) * line[k - 1] + share * line[k]);
+  };
+
+  // Resample evenly: strokes are dense where the hand was slow, and that should carry no weight
+  const int sampleCount = std::max(16 * count, 64);
+  Eigen::MatrixX3d samples(sampleCount, 3);
+  for (int k = 0; k < sampleCount; ++k) {
+    samples.row(k) = onLine(along.back() * k / (sampleCount - 1)).transpose();
+  }
+  std::vector<Vector3> points;
+  for (int p = 0; p < count; ++p) points.push_back(onLine(along.back() * p / (count - 1)));
+  points.front() = line.front();
+  points.back() = line.back();
+  if (count == 2) return points;
+
+  // The spline is linear in its points once knots and parameters are frozen: alternate feet of the samples and a
+  // least-squares step until the points rest.
+  for (int round = 0; round < 30; ++round) {
+    for (std::size_t p = 1; p < points.size(); ++p) {
+      if (points[p] == points[p - 1]) return points;
+    }
+    const Spline current(points);
+    Eigen::VectorXd u(sampleCount);
+    for (int k = 0; k < sampleCount; ++k) {
+      u[k] = current.parameterAt(current.length() * k / (sampleCount - 1));
+    }
+    // Columns by finite influence: basis p is the difference that a unit move of point p makes with knots frozen.
+    // The knots move little per round, so a numerical basis at a small step is as good as the exact one.
+    Eigen::MatrixXd basis(sampleCount, count);
+    const double h = 1e-6 * along.back();
+    for (int p = 0; p < count; ++p) {
+      std::vector<Vector3> moved = points;
+      moved[static_cast<std::size_t>(p)] += Vector3(h, 0.0, 0.0);
+      const Spline shifted(moved);
+      for (int k = 0; k < sampleCount; ++k) {
+        basis(k, p) = (shifted.at(u[k]).x() - current.at(u[k]).x()) / h;
+      }
+    }
+    Eigen::MatrixX3d residual(sampleCount, 3);
+    for (int k = 0; k < sampleCount; ++k) residual.row(k) = samples.row(k) - current.at(u[k]).transpose();
+    const Eigen::MatrixXd inner = basis.middleCols(1, count - 2);
+    const Eigen::MatrixX3d step = inner.colPivHouseholderQr().solve(residual);
+    for (int p = 1; p + 1 < count; ++p) points[static_cast<std::size_t>(p)] += step.row(p - 1).transpose();
+    if (step.rowwise().norm().maxCoeff() < 1e-9 * along.back()) break;
+  }
+  return points;
+}
+
+}  // namespace ecorche::mesh

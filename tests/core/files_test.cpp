@@ -1,0 +1,65 @@
+#include <ecorche/core/files.h>
+
+#include <fstream>
+
+#include "support/paths.h"
+
+using namespace ecorche;
+namespace fs = std::filesystem;
+
+TEST_CASE("a staged folder appears whole or not at all") {
+  test::TempFolder temp;
+  const fs::path target = temp.path() / "out";
+  {
+    auto staged = StagedFolder::create(target);
+    REQUIRE(staged);
+    std::ofstream(staged->path() / "a.txt") << "new";
+    CHECK_FALSE(fs::exists(target));
+  }
+  CHECK_FALSE(fs::exists(target));
+  CHECK(fs::is_empty(temp.path()));
+
+  for (const char* text : {"first", "second"}) {
+    auto staged = StagedFolder::create(target);
+    REQUIRE(staged);
+    std::ofstream(staged->path() / "a.txt") << text;
+    REQUIRE(staged->commit());
+    CHECK(readFile(target / "a.txt").value() == text);
+  }
+  CHECK(std::distance(fs::directory_iterator(temp.path()), {}) == 1);
+}
+
+TEST_CASE("leftovers of a killed process go with the next output of the same name") {
+  test::TempFolder temp;
+  const fs::path leftover = temp.path() / ".out.ecorche-999999999-0";
+  fs::create_directory(leftover);
+  const fs::path foreign = temp.path() / ".out2.ecorche-999999999-0";
+  fs::create_directory(foreign);
+  auto staged = StagedFolder::create(temp.path() / "out");
+  REQUIRE(staged);
+  CHECK_FALSE(fs::exists(leftover));
+  CHECK(fs::exists(foreign));
+}
+
+TEST_CASE("files say what is wrong with them") {
+  test::TempFolder temp;
+  CHECK(readFile(temp.path() / "no").error().code == ErrorCode::FileMissing);
+  CHECK(readFile(temp.path()).error().code == ErrorCode::FileNotReadable);
+  std::ofstream(temp.path() / "empty").flush();
+  CHECK(readFile(temp.path() / "empty").error().code == ErrorCode::FileEmpty);
+  CHECK(writeFileWhole(temp.path() / "no" / "file", "x").error().code == ErrorCode::FileNotWritable);
+  CHECK(StagedFolder::create(temp.path() / "empty").error().code == ErrorCode::FileNotWritable);
+  REQUIRE(writeFileWhole(temp.path() / "file", "x"));
+  CHECK(readFile(temp.path() / "file").value() == "x");
+}
+
+TEST_CASE("hashes tell texts apart that join to the same bytes") {
+  Hasher a;
+  a.text("ab");
+  a.text("c");
+  Hasher b;
+  b.text("a");
+  b.text("bc");
+  CHECK(a.hex() != b.hex());
+  CHECK(a.hex().size() == 32);
+}

@@ -1,0 +1,32 @@
+#include <ecorche/mesh/spline.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+using namespace ecorche::mesh;
+
+TEST_CASE("a spline passes through its control points, and its tangent is its derivative") {
+  const Spline s({{0, 0, 0}, {1, 0.5, 0}, {1.2, 2, 1}, {3, 2, 0}});
+  for (std::size_t p = 0; p < 4; ++p) CHECK((s.at(double(p)) - s.points()[p]).norm() < 1e-14);
+  for (double u : {0.1, 0.9, 1.3, 1.999, 2.5}) {
+    const double h = 1e-6;
+    const Vector3 difference = (s.at(u + h) - s.at(u - h)) / (2 * h);
+    CHECK((difference - s.derivative(u)).norm() < 1e-7);
+  }
+}
+
+TEST_CASE("arc length of a straight line is its chord, of a fine circle its angle") {
+  const Spline line({{0, 0, 0}, {0.25, 0, 0}, {1, 0, 0}});
+  CHECK(line.length() == Approx(1.0).epsilon(1e-12));
+  CHECK(line.interpolate({1, 2, 2}, line.parameterAt(0.125)) == Approx(1.5).epsilon(1e-10));
+
+  std::vector<Vector3> circle;
+  for (int k = 0; k <= 64; ++k) {
+    const double a = std::numbers::pi * k / 64;
+    circle.emplace_back(std::cos(a), std::sin(a), 0);
+  }
+  const Spline half(circle);
+  CHECK(half.length() == Approx(std::numbers::pi).epsilon(1e-4));
+  for (double s : {0.1, 1.0, 2.0, 3.0}) CHECK(half.lengthTo(half.parameterAt(s)) == Approx(s).epsilon(1e-10));
+}
