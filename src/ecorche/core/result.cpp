@@ -51,6 +51,14 @@ std::string_view name(ErrorCode code) {
   return "Internal";
 }
 
+std::optional<ErrorCode> errorCodeNamed(std::string_view word) {
+  for (int i = 0; i <= static_cast<int>(ErrorCode::Internal); ++i) {  // Internal is the last
+    const auto code = static_cast<ErrorCode>(i);
+    if (name(code) == word) return code;
+  }
+  return std::nullopt;
+}
+
 std::string Error::text() const {
   std::string where;
   if (!place.file.empty()) {

@@ -60,6 +60,8 @@ enum class ErrorCode {
 
 /// The enumerator's own name, as it stands in JSON and in the manual: "CurveOutsideSkin".
 [[nodiscard]] std::string_view name(ErrorCode code);
+/// The other way round; nothing for a word that is no code.
+[[nodiscard]] std::optional<ErrorCode> errorCodeNamed(std::string_view word);
 
 /// Where it went wrong: a spot in a file, or a thing of the model and a point to fly to.
 struct Place {

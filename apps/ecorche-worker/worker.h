@@ -1,0 +1,17 @@
+#pragma once
+
+#include <ecorche/core/result.h>
+
+#include <string>
+#include <vector>
+
+namespace ecorche::worker {
+
+/// What follows the subcommand on the command line.
+using Arguments = std::vector<std::string>;
+
+/// `import INPUT OUTPUT`: any mesh file that Assimp knows, as an import file (mesh/import_file.h).
+/// @errors FileSyntax, FileNotWritable
+Result<void> importMesh(const Arguments& arguments);
+
+}  // namespace ecorche::worker
