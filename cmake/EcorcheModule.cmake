@@ -2,7 +2,8 @@
 
 add_library(ecorche_options INTERFACE)
 target_include_directories(ecorche_options INTERFACE ${PROJECT_SOURCE_DIR}/src)
-target_compile_options(ecorche_options INTERFACE -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict)
+target_compile_options(ecorche_options INTERFACE -Wall -Wextra -Wshadow=local -Wno-psabi -Wno-restrict
+                       -Wno-missing-field-initializers)
 # Symbols for profiles cost nothing at run time; line tables alone keep the build small and quick.
 target_compile_options(ecorche_options INTERFACE $<$<CONFIG:Release>:-g1>)
 if(ECORCHE_SANITIZE)
