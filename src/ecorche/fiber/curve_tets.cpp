@@ -1,0 +1,85 @@
+#include <ecorche/fiber/curve_tets.h>
+#include <ecorche/mesh/surface_mesh.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+
+namespace ecorche::fiber {
+
+using mesh::Vector3;
+
+namespace {
+
+// The part [lo, hi] of the segment a + s·(b − a), s in [0, 1], inside the tet; empty where lo >=
+// hi.
+std::array<double, 2> clipToTet(const std::array<Vector3, 4>& p, const Vector3& a,
+                                const Vector3& b) {
+  double lo = 0.0;
+  double hi = 1.0;
+  for (const auto& face : mesh::kTetFace) {
+    const Vector3& o = p[static_cast<std::size_t>(face[0])];
+    const Vector3 outward =
+        (p[static_cast<std::size_t>(face[1])] - o).cross(p[static_cast<std::size_t>(face[2])] - o);
+    const double from = outward.dot(a - o);
+    const double slope = outward.dot(b - a);
+    if (slope > 0.0) {
+      hi = std::min(hi, -from / slope);
+    } else if (slope < 0.0) {
+      lo = std::max(lo, -from / slope);
+    } else if (from > 0.0) {
+      return {1.0, 0.0};
+    }
+    if (lo >= hi) break;
+  }
+  return {lo, hi};
+}
+
+}  // namespace
+
+std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
+                                    const std::vector<std::int32_t>& tets,
+                                    const std::vector<Vector3>& line) {
+  std::vector<mesh::Box> boxes;
+  mesh::Box whole;
+  for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+    mesh::Box box;
+    box.add(line[k]);
+    box.add(line[k + 1]);
+    whole.add(box);
+    boxes.push_back(box);
+  }
+  const auto apart = [](const mesh::Box& a, const mesh::Box& b) {
+    return (a.lo.array() > b.hi.array()).any() || (b.lo.array() > a.hi.array()).any();
+  };
+
+  std::vector<TetOnCurve> out;
+  for (const std::int32_t t : tets) {
+    std::array<Vector3, 4> p;
+    mesh::Box box;
+    for (int k = 0; k < 4; ++k) {
+      p[static_cast<std::size_t>(k)] = mesh.V.row(mesh.T(t, k)).transpose();
+      box.add(p[static_cast<std::size_t>(k)]);
+    }
+    if (apart(box, whole)) continue;
+    TetOnCurve hit;
+    Vector3 along = Vector3::Zero();
+    for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+      if (apart(box, boxes[k])) continue;
+      const auto [lo, hi] = clipToTet(p, line[k], line[k + 1]);
+      if (lo < hi) {
+        const Vector3 inside = (hi - lo) * (line[k + 1] - line[k]);
+        hit.length += inside.norm();
+        along += inside;
+      }
+    }
+    const double norm = along.norm();
+    if (!(norm > 0.0)) continue;
+    hit.tet = t;
+    hit.tangent = along / norm;
+    out.push_back(hit);
+  }
+  return out;
+}
+
+}  // namespace ecorche::fiber

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <ecorche/mesh/tet_mesh.h>
+
+#include <vector>
+
+namespace ecorche::fiber {
+
+/// A tet that a poly-line runs through.
+struct TetOnCurve {
+  std::int32_t tet = -1;                           ///< row of the mesh
+  double length = 0.0;                             ///< of the line inside the tet [m], > 0
+  mesh::Vector3 tangent = mesh::Vector3::UnitX();  ///< mean direction of the line inside, unit
+};
+
+/// Which of the given tets a poly-line runs through and how far, ascending. A line along a face
+/// counts in both tets.
+/// @param tets  rows of `mesh` to look at
+[[nodiscard]] std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
+                                                  const std::vector<std::int32_t>& tets,
+                                                  const std::vector<mesh::Vector3>& line);
+
+}  // namespace ecorche::fiber
