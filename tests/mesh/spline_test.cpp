@@ -28,5 +28,6 @@ TEST_CASE("arc length of a straight line is its chord, of a fine circle its angl
   }
   const Spline half(circle);
   CHECK(half.length() == Approx(std::numbers::pi).epsilon(1e-4));
-  for (double s : {0.1, 1.0, 2.0, 3.0}) CHECK(half.lengthTo(half.parameterAt(s)) == Approx(s).epsilon(1e-10));
+  for (double s : {0.1, 1.0, 2.0, 3.0})
+    CHECK(half.lengthTo(half.parameterAt(s)) == Approx(s).epsilon(1e-10));
 }

@@ -155,7 +155,8 @@ Spline::Samples Spline::sample(double spacing) const {
     const double piece = cumulative_[p + 1] - cumulative_[p];
     const int steps = std::max(1, static_cast<int>(std::ceil(piece / spacing)));
     for (int k = 0; k < steps; ++k) {
-      const double u = k == 0 ? static_cast<double>(p) : parameterAt(cumulative_[p] + piece * k / steps);
+      const double u =
+          k == 0 ? static_cast<double>(p) : parameterAt(cumulative_[p] + piece * k / steps);
       out.u.push_back(u);
       out.point.push_back(at(u));
     }
@@ -165,69 +166,42 @@ Spline::Samples Spline::sample(double spacing) const {
   return out;
 }
 
-std::vector<Vector3> fitSpline(const std::vector<Vector3>& stroke, int count) {
-  EC_REQUIRE(count >= 2);
-  // A stroke is a poly-line: drop repeated points, then parametrise by arc length
-  std::vector<Vector3> line;
-  for (const Vector3& p : stroke) {
-    if (line.empty() || p != line.back()) line.push_back(p);
-  }
-  if (static_cast<int>(line.size()) <= count) return line;
-  std::vector<double> along(line.size(), 0.0);
-  for (std::size_t k = 1; k < line.size(); ++k) {
-    along[k] = along[k - 1] + (line[k] - line[k - 1]).norm();
-  }
-  const auto onLine = [&](double s) {
-    const auto above = std::ranges::upper_bound(along, s);
-    if (above == along.end()) return line.back();
-    const auto k = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - along.begin()));
-    const double share = (s - along[k - 1]) / (along[k] - along[k - 1]);
-    return Vector3((1.0 - share) * line[k - 1] + share * line[k]);
+Eigen::VectorXd Spline::basis(double u) const {
+  const auto [p, s] = locate(u, points_.size());
+  const double* const t = &knots_[p];
+  const double x = t[1] + s * (t[2] - t[1]);
+
+  // The same pyramid as Segment::value, on the weights of the four points in place of the points
+  using Weights = Eigen::Vector4d;
+  const auto mix = [&](const Weights& a, const Weights& b, double ta, double tb) {
+    return Weights(((tb - x) * a + (x - ta) * b) / (tb - ta));
   };
+  std::array<Weights, 4> unit;
+  for (int k = 0; k < 4; ++k) unit[static_cast<std::size_t>(k)] = Weights::Unit(k);
+  const Weights A1 = mix(unit[0], unit[1], t[0], t[1]);
+  const Weights A2 = mix(unit[1], unit[2], t[1], t[2]);
+  const Weights A3 = mix(unit[2], unit[3], t[2], t[3]);
+  const Weights B1 = mix(A1, A2, t[0], t[2]);
+  const Weights B2 = mix(A2, A3, t[1], t[3]);
+  const Weights C = mix(B1, B2, t[1], t[2]);
 
-  // Resample evenly: strokes are dense where the hand was slow, and that should carry no weight
-  const int sampleCount = std::max(16 * count, 64);
-  Eigen::MatrixX3d samples(sampleCount, 3);
-  for (int k = 0; k < sampleCount; ++k) {
-    samples.row(k) = onLine(along.back() * k / (sampleCount - 1)).transpose();
+  // Extended point e is control point e − 1; those past the ends are 2·first − second and 2·last −
+  // last but one
+  const auto last = static_cast<Eigen::Index>(points_.size()) - 1;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(last + 1);
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Index e = static_cast<Eigen::Index>(p) + k - 1;
+    if (e < 0) {
+      out[0] += 2.0 * C[k];
+      out[1] -= C[k];
+    } else if (e > last) {
+      out[last] += 2.0 * C[k];
+      out[last - 1] -= C[k];
+    } else {
+      out[e] += C[k];
+    }
   }
-  std::vector<Vector3> points;
-  for (int p = 0; p < count; ++p) points.push_back(onLine(along.back() * p / (count - 1)));
-  points.front() = line.front();
-  points.back() = line.back();
-  if (count == 2) return points;
-
-  // The spline is linear in its points once knots and parameters are frozen: alternate feet of the samples and a
-  // least-squares step until the points rest.
-  for (int round = 0; round < 30; ++round) {
-    for (std::size_t p = 1; p < points.size(); ++p) {
-      if (points[p] == points[p - 1]) return points;
-    }
-    const Spline current(points);
-    Eigen::VectorXd u(sampleCount);
-    for (int k = 0; k < sampleCount; ++k) {
-      u[k] = current.parameterAt(current.length() * k / (sampleCount - 1));
-    }
-    // Columns by finite influence: basis p is the difference that a unit move of point p makes with knots frozen.
-    // The knots move little per round, so a numerical basis at a small step is as good as the exact one.
-    Eigen::MatrixXd basis(sampleCount, count);
-    const double h = 1e-6 * along.back();
-    for (int p = 0; p < count; ++p) {
-      std::vector<Vector3> moved = points;
-      moved[static_cast<std::size_t>(p)] += Vector3(h, 0.0, 0.0);
-      const Spline shifted(moved);
-      for (int k = 0; k < sampleCount; ++k) {
-        basis(k, p) = (shifted.at(u[k]).x() - current.at(u[k]).x()) / h;
-      }
-    }
-    Eigen::MatrixX3d residual(sampleCount, 3);
-    for (int k = 0; k < sampleCount; ++k) residual.row(k) = samples.row(k) - current.at(u[k]).transpose();
-    const Eigen::MatrixXd inner = basis.middleCols(1, count - 2);
-    const Eigen::MatrixX3d step = inner.colPivHouseholderQr().solve(residual);
-    for (int p = 1; p + 1 < count; ++p) points[static_cast<std::size_t>(p)] += step.row(p - 1).transpose();
-    if (step.rowwise().norm().maxCoeff() < 1e-9 * along.back()) break;
-  }
-  return points;
+  return out;
 }
 
 }  // namespace ecorche::mesh

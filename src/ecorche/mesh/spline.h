@@ -6,10 +6,12 @@
 
 namespace ecorche::mesh {
 
-/// Centripetal Catmull–Rom spline through its control points [Yuksel et al. 2011], knots spaced by the square root
-/// of the chord. Two points give a segment. End tangents come from control points mirrored across the ends.
+/// Centripetal Catmull–Rom spline through its control points [Yuksel et al. 2011], knots spaced by
+/// the square root of the chord. Two points give a segment. End tangents come from control points
+/// mirrored across the ends.
 ///
-/// Parameters: `u` in [0, #points − 1], control point p sits at u = p exactly. Arc length [m] by Gauss quadrature.
+/// Parameters: `u` in [0, #points − 1], control point p sits at u = p exactly. Arc length [m] by
+/// Gauss quadrature.
 class Spline {
  public:
   Spline() = default;
@@ -29,10 +31,16 @@ class Spline {
   /// Inverse of lengthTo, to 1e-12 of the length.
   [[nodiscard]] double parameterAt(double arcLength) const;
 
-  /// Values given at control points, linear in arc length between them [ABLSJ21 §3.2, our choice of interpolation].
+  /// Values given at control points, linear in arc length between them [ABLSJ21 §3.2, our choice of
+  /// interpolation].
   [[nodiscard]] double interpolate(const std::vector<double>& values, double u) const;
 
-  /// Points along the curve no farther apart than `spacing`, with their parameters; ends and control points included.
+  /// Weights of the control points at u: at(u) = Σ_p basis(u)[p] · points()[p], exact while the
+  /// knots stay. #points, sum 1.
+  [[nodiscard]] Eigen::VectorXd basis(double u) const;
+
+  /// Points along the curve no farther apart than `spacing`, with their parameters; ends and
+  /// control points included.
   struct Samples {
     std::vector<double> u;
     std::vector<Vector3> point;
@@ -47,9 +55,5 @@ class Spline {
 
   [[nodiscard]] double arc(double u0, double u1) const;
 };
-
-/// Control points of the spline that fits a stroke best in the least-squares sense, ends kept exactly
-/// [ABLSJ21 §3.2: four points by default]. A stroke shorter than `count` distinct points is returned thinned out.
-[[nodiscard]] std::vector<Vector3> fitSpline(const std::vector<Vector3>& stroke, int count = 4);
 
 }  // namespace ecorche::mesh
