@@ -11,18 +11,20 @@
 
 namespace ecorche::tissue {
 
-/// Values of all fields at the vertices. Column 0 is fat (tissue id 1), column i the tissue of id i + 1.
-using FieldMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  // #V×#fields
+/// Values of all fields at the vertices. Column 0 is fat (tissue id 1), column i the tissue of id i
+/// + 1.
+using FieldMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  // #V×#fields
 
 /// A point where a curve was tied to the domain: one row of B.
 struct CoreSample {
   TissueId tissue;
-  std::int32_t curve = 0;        ///< within its tissue
+  std::int32_t curve = 0;  ///< within its tissue
   std::int32_t tet = -1;
   Eigen::Vector4d barycentric = Eigen::Vector4d::Zero();
-  double u = 0.0;                ///< spline parameter of the point
-  double length = 0.0;           ///< of the piece of curve inside the tet [m]
-  double weight = 0.0;           ///< W
+  double u = 0.0;       ///< spline parameter of the point
+  double length = 0.0;  ///< of the piece of curve inside the tet [m]
+  double weight = 0.0;  ///< W
   mesh::Vector3 tangent = mesh::Vector3::UnitX();
 };
 
@@ -30,15 +32,17 @@ struct CoreSample {
 struct CoreSamples {
   std::vector<CoreSample> samples;  ///< by tissue, curve, parameter
   Findings findings;                ///< pieces of curve lost in bone, ends pulled onto bone …
-  std::vector<double> coveredShare; ///< per tissue: share of its curves' length that lies in the domain
+  std::vector<double>
+      coveredShare;  ///< per tissue: share of its curves' length that lies in the domain
 };
 
 struct TissueFields {
-  FieldMatrix values;            ///< #V×(#tissues + 1)
-  bool fatIsCandidate = true;    ///< false where TissueOptions::fat is 0
-  double maxValue = 0.0;         ///< largest tissue value and fat, the scale for tolerances
-  double undershoot = 0.0;       ///< how far any field falls below 0, over maxValue
-  double overshoot = 0.0;        ///< how far any field exceeds its own largest value, over maxValue
+  FieldMatrix values;          ///< #V×(#tissues + 1)
+  bool fatIsCandidate = true;  ///< false where TissueOptions::fat is 0
+  double maxValue = 0.0;       ///< largest tissue value and fat, the scale for tolerances
+  double undershoot = 0.0;     ///< how far any field falls below 0, over maxValue
+  double overshoot = 0.0;      ///< how far any field exceeds its own largest value, over maxValue
+  Findings findings;           ///< slivers whose part in the energy was capped
 };
 
 }  // namespace ecorche::tissue

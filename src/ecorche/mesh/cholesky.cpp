@@ -1,0 +1,164 @@
+#include <cblas.h>
+#include <cholmod.h>
+#include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/mesh/cholesky.h>
+
+#include <algorithm>
+#include <atomic>
+#include <vector>
+
+namespace ecorche::mesh {
+
+namespace {
+
+// CHOLMOD's settings and workspace; one per call, since calls may come from several threads.
+struct Common {
+  cholmod_common c{};
+  Common() {
+    cholmod_start(&c);
+    c.supernodal = CHOLMOD_SUPERNODAL;
+    c.final_ll = 1;
+    c.print = 0;
+    c.error_handler = nullptr;
+    c.nmethods = 1;
+    c.method[0].ordering = CHOLMOD_METIS;
+    c.postorder = 1;
+  }
+  ~Common() { cholmod_finish(&c); }
+  Common(const Common&) = delete;
+  Common& operator=(const Common&) = delete;
+  operator cholmod_common*() { return &c; }
+};
+
+// OpenBLAS keeps one thread count for the whole process. It is 1 with us, so that our own loops can
+// run beside one another, and wide only while a factorisation that stands alone asks for it.
+class BlasThreads {
+ public:
+  explicit BlasThreads(int count) : wide_(count > 1) {
+    if (wide_ ? users()++ == 0 : users() == 0) openblas_set_num_threads(count);
+  }
+  ~BlasThreads() {
+    if (wide_ && --users() == 0) openblas_set_num_threads(1);
+  }
+  BlasThreads(const BlasThreads&) = delete;
+  BlasThreads& operator=(const BlasThreads&) = delete;
+
+ private:
+  static std::atomic<int>& users() {
+    static std::atomic<int> count{0};
+    return count;
+  }
+  bool wide_;
+};
+
+// Columns per block of a solve: fixed, so that results do not depend on the number of threads
+constexpr Eigen::Index kBlock = 8;
+
+}  // namespace
+
+struct SymbolicCholesky::Impl {
+  mutable Common common;
+  std::vector<std::int32_t> first;
+  std::vector<std::int32_t> index;
+  cholmod_factor* L = nullptr;
+
+  ~Impl() { cholmod_free_factor(&L, common); }
+
+  // The matrix as CHOLMOD sees it, over our own arrays
+  [[nodiscard]] cholmod_sparse view(const double* values) const {
+    cholmod_sparse K{};
+    K.nrow = K.ncol = first.size() - 1;
+    K.nzmax = index.size();
+    K.p = const_cast<std::int32_t*>(first.data());
+    K.i = const_cast<std::int32_t*>(index.data());
+    K.x = const_cast<double*>(values);
+    K.stype = -1;
+    K.itype = CHOLMOD_INT;
+    K.xtype = values != nullptr ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+    K.dtype = CHOLMOD_DOUBLE;
+    K.sorted = 1;
+    K.packed = 1;
+    return K;
+  }
+};
+
+SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern) {
+  auto impl = std::make_shared<Impl>();
+  impl->first = pattern.first;
+  impl->index = pattern.index;
+  cholmod_sparse K = impl->view(nullptr);
+  impl->L = cholmod_analyze(&K, impl->common);
+  EC_REQUIRE(impl->L != nullptr);
+  impl_ = std::move(impl);
+}
+SymbolicCholesky::~SymbolicCholesky() = default;
+SymbolicCholesky::SymbolicCholesky(SymbolicCholesky&&) noexcept = default;
+SymbolicCholesky& SymbolicCholesky::operator=(SymbolicCholesky&&) noexcept = default;
+
+std::int64_t SymbolicCholesky::rowCount() const {
+  return static_cast<std::int64_t>(impl_->first.size()) - 1;
+}
+double SymbolicCholesky::factorEntries() const { return static_cast<double>(impl_->L->xsize); }
+
+struct Cholesky::Impl {
+  mutable Common common;
+  cholmod_factor* L = nullptr;
+  std::int64_t rowCount = 0;
+  std::int64_t badRow = -1;
+
+  ~Impl() { cholmod_free_factor(&L, common); }
+};
+
+Cholesky::Cholesky(const SymbolicCholesky& symbolic, const std::vector<double>& values, int threads)
+    : impl_(std::make_unique<Impl>()) {
+  EC_REQUIRE_EQ(values.size(), symbolic.impl_->index.size());
+  const BlasThreads blas(threads > 0 ? threads : threadCount());
+  impl_->rowCount = symbolic.rowCount();
+  cholmod_sparse K = symbolic.impl_->view(values.data());
+  impl_->L = cholmod_copy_factor(symbolic.impl_->L, impl_->common);
+  EC_REQUIRE(impl_->L != nullptr);
+  cholmod_factorize(&K, impl_->L, impl_->common);
+  if (impl_->common.c.status != CHOLMOD_OK) {
+    // CHOLMOD stops at the first pivot that is not positive; the place is an index into its own
+    // ordering
+    const auto n = static_cast<std::size_t>(impl_->rowCount);
+    const std::size_t at = std::min(impl_->L->minor, n - 1);
+    impl_->badRow = static_cast<const std::int32_t*>(impl_->L->Perm)[at];
+  }
+}
+Cholesky::~Cholesky() = default;
+Cholesky::Cholesky(Cholesky&&) noexcept = default;
+Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
+
+bool Cholesky::ok() const { return impl_->badRow < 0; }
+std::int64_t Cholesky::badRow() const { return impl_->badRow; }
+
+void Cholesky::solveInPlace(Eigen::MatrixXd& X, const std::function<bool()>& stop) const {
+  EC_REQUIRE(ok());
+  EC_REQUIRE_EQ(X.rows(), impl_->rowCount);
+  const BlasThreads blas(1);
+  const Eigen::Index blockCount = (X.cols() + kBlock - 1) / kBlock;
+  parallelFor(
+      blockCount,
+      [&](std::int64_t block) {
+        if (stop && stop()) return;
+        Common common;
+        const Eigen::Index begin = block * kBlock;
+        const Eigen::Index width = std::min(kBlock, X.cols() - begin);
+        cholmod_dense b{};
+        b.nrow = b.d = static_cast<std::size_t>(X.rows());
+        b.ncol = static_cast<std::size_t>(width);
+        b.nzmax = b.nrow * b.ncol;
+        b.x = X.col(begin).data();
+        b.xtype = CHOLMOD_REAL;
+        b.dtype = CHOLMOD_DOUBLE;
+        cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->L, &b, common);
+        EC_REQUIRE(x != nullptr);
+        std::copy_n(static_cast<const double*>(x->x), b.nzmax, X.col(begin).data());
+        cholmod_free_dense(&x, common);
+      },
+      1);
+}
+
+}  // namespace ecorche::mesh

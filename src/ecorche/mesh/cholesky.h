@@ -1,0 +1,61 @@
+#pragma once
+
+#include <ecorche/mesh/operators.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace ecorche::mesh {
+
+/// Fill-reducing ordering and elimination tree of a stiffness pattern: what all matrices on it
+/// share.
+///
+/// CHOLMOD with METIS' nested dissection, supernodal [Chen, Davis, Hager, Rajamanickam 2008].
+class SymbolicCholesky {
+ public:
+  /// Copies what it needs; the pattern may go away.
+  explicit SymbolicCholesky(const StiffnessPattern& pattern);
+  ~SymbolicCholesky();
+  SymbolicCholesky(SymbolicCholesky&&) noexcept;
+  SymbolicCholesky& operator=(SymbolicCholesky&&) noexcept;
+
+  [[nodiscard]] std::int64_t rowCount() const;
+  /// Entries of the factor L.
+  [[nodiscard]] double factorEntries() const;
+
+ private:
+  friend class Cholesky;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// K = P L Lᵀ Pᵀ for one set of values on a pattern that was analysed before.
+class Cholesky {
+ public:
+  /// @param values   #entries of the pattern
+  /// @param threads  for BLAS. Use 1 where several are factored at once. 0: as many as the process
+  /// was given
+  Cholesky(const SymbolicCholesky& symbolic, const std::vector<double>& values, int threads = 0);
+  ~Cholesky();
+  Cholesky(Cholesky&&) noexcept;
+  Cholesky& operator=(Cholesky&&) noexcept;
+
+  /// False where K is not positive definite in doubles; then badRow() is the row of the first pivot
+  /// that is not positive.
+  [[nodiscard]] bool ok() const;
+  [[nodiscard]] std::int64_t badRow() const;
+
+  /// K X = right side, in place, blocks of columns in parallel. The bytes do not depend on the
+  /// number of threads.
+  /// @param stop  asked between blocks; true leaves the rest unsolved
+  void solveInPlace(Eigen::MatrixXd& X, const std::function<bool()>& stop = {}) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ecorche::mesh

@@ -1,0 +1,285 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/mesh/operators.h>
+#include <ecorche/tissue/curve_trace.h>
+#include <ecorche/tissue/nearest_boundary.h>
+#include <ecorche/tissue/well.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace ecorche::tissue {
+
+using domain::BoundaryTag;
+using domain::Domain;
+using mesh::Vector3;
+
+namespace {
+
+// A curve with its place in the list, and all that became of it.
+struct Job {
+  std::size_t tissue = 0;
+  std::size_t curve = 0;
+  std::vector<CoreSample> samples;
+  Findings findings;
+  double covered = 0.0;  // [m]
+  double length = 0.0;   // [m]
+  std::optional<Error> error;
+};
+
+std::string nameOf(const CurveTissue& tissue, std::size_t curve) {
+  const std::string& own = tissue.curves[curve].name;
+  if (!own.empty()) return fmt::format("{}, curve \"{}\"", tissue.name, own);
+  return tissue.curves.size() == 1 ? tissue.name
+                                   : fmt::format("{}, curve {}", tissue.name, curve + 1);
+}
+
+std::string whatIs(const BoundaryTag& tag, const Domain& domain) {
+  const auto named = [&](const std::vector<std::string>& names, const char* what) {
+    const auto i = static_cast<std::size_t>(tag.index);
+    return i < names.size() ? fmt::format("{} \"{}\"", what, names[i]) : std::string(what);
+  };
+  switch (tag.kind) {
+    case BoundaryTag::Kind::Skin:
+      return "the skin";
+    case BoundaryTag::Kind::Bone:
+      return named(domain.boneNames, "bone");
+    case BoundaryTag::Kind::CutPlane:
+      return named(domain.cutPlaneNames, "cut plane");
+    case BoundaryTag::Kind::Obstacle:
+      return "an obstacle";
+    case BoundaryTag::Kind::Cavity:
+      return "a cavity";
+  }
+  return "the boundary";
+}
+
+// A gap is the skin's where no end of it lies on anything else.
+bool leavesThroughSkin(const CurveGap& gap) {
+  const auto isSkin = [](const std::optional<BoundaryTag>& tag) {
+    return !tag || tag->kind == BoundaryTag::Kind::Skin;
+  };
+  return isSkin(gap.exit) && isSkin(gap.entry);
+}
+
+// The point of a gap that lies farthest outside, where it is farther than the tolerance.
+struct Outlier {
+  Vector3 point;
+  double distance;
+};
+std::optional<Outlier> farthestOutside(const Domain& domain, const mesh::Spline& spline,
+                                       const CurveGap& gap) {
+  constexpr int kSamples = 16;
+  const double tolerance = kOutsideTolerance * domain.skinDiagonal;
+  std::optional<Outlier> worst;
+  for (int k = 0; k <= kSamples; ++k) {
+    const Vector3 p = spline.at(gap.u0 + (gap.u1 - gap.u0) * k / kSamples);
+    // Cheap bound first: the ends of the gap lie on the boundary
+    double bound = std::numeric_limits<double>::infinity();
+    if (gap.exit) bound = std::min(bound, (p - spline.at(gap.u0)).norm());
+    if (gap.entry) bound = std::min(bound, (p - spline.at(gap.u1)).norm());
+    if (bound <= tolerance || (worst && bound <= worst->distance)) continue;
+    const double distance = nearestOnBoundary(domain, p).distance;
+    if (distance > tolerance && (!worst || distance > worst->distance))
+      worst = Outlier{p, distance};
+  }
+  return worst;
+}
+
+void judgeGaps(const Domain& domain, const CurveTissue& tissue, const CurveWalk& walk, Job& job) {
+  const mesh::Spline& spline = tissue.curves[job.curve].spline;
+  const std::string who = nameOf(tissue, job.curve);
+  for (const CurveGap& gap : walk.gaps) {
+    const double lost = spline.lengthTo(gap.u1) - spline.lengthTo(gap.u0);
+    const Vector3 middle = spline.at(0.5 * (gap.u0 + gap.u1));
+    if (leavesThroughSkin(gap)) {
+      const auto outlier = farthestOutside(domain, spline, gap);
+      if (!outlier) continue;
+      job.error =
+          Error{ErrorCode::CurveOutsideSkin,
+                fmt::format(
+                    "{} leaves the skin by {:.4g} mm at ({:.4g}, {:.4g}, {:.4g}) m; at most {:.4g} "
+                    "mm are allowed: move its control points inside",
+                    who, 1e3 * outlier->distance, outlier->point.x(), outlier->point.y(),
+                    outlier->point.z(), 1e3 * kOutsideTolerance * domain.skinDiagonal),
+                {.object = tissue.name, .point = outlier->point}};
+      return;
+    }
+    // Ends in bone are how muscles attach; what counts is how much of the curve is gone
+    const BoundaryTag& tag = gap.exit ? *gap.exit : *gap.entry;
+    const double share = job.length > 0.0 ? lost / job.length : 0.0;
+    if (share < 0.01) continue;
+    job.findings.push_back(
+        {share > 0.1 ? Severity::Warning : Severity::Note, "curve-lost", tissue.name,
+         fmt::format("{}: {:.1f} mm ({:.0f} %) lie inside {} and pull on nothing", who, 1e3 * lost,
+                     1e2 * share, whatIs(tag, domain)),
+         middle, lost});
+  }
+}
+
+// Points of a disc of radius 1 that all stand for the same area: rings of 1, 6, 12, … points.
+std::vector<Eigen::Vector2d> discPoints(int rings) {
+  std::vector<Eigen::Vector2d> points{Eigen::Vector2d::Zero()};
+  const int total = 1 + 3 * rings * (rings + 1);
+  for (int ring = 1; ring <= rings; ++ring) {
+    // Middle of the ring's share of the area
+    const double inner = 1.0 + 3.0 * ring * (ring - 1);
+    const double r = std::sqrt((inner + 3.0 * ring) / total);
+    for (int k = 0; k < 6 * ring; ++k) {
+      const double angle = 2.0 * std::numbers::pi * (k + 0.5 * (ring % 2)) / (6 * ring);
+      points.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    }
+  }
+  return points;
+}
+
+// The row of a piece whose tets are finer than the core: the same weight shared by points of the
+// core's disc. Points in bone are left out, the others share what is theirs.
+void addDisc(const CurveWalker& walker, const Domain& domain, const CoreSample& middle,
+             const Vector3& centre, double radius, double h, std::vector<CoreSample>& out) {
+  // Across the tangent, from a corner of the tet, so that the disc turns with the model
+  Vector3 across = Vector3::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const Vector3 to = domain.mesh.V.row(domain.mesh.T(middle.tet, k)).transpose() - centre;
+    const Vector3 candidate = to - to.dot(middle.tangent) * middle.tangent;
+    if (candidate.squaredNorm() > across.squaredNorm()) across = candidate;
+  }
+  across.normalize();
+  const Vector3 third = middle.tangent.cross(across);
+
+  const int rings = std::clamp(static_cast<int>(std::ceil(radius / h)), 1, 4);
+  const std::size_t begin = out.size();
+  for (const Eigen::Vector2d& d : discPoints(rings)) {
+    const Vector3 p = centre + radius * (d.x() * across + d.y() * third);
+    CoreSample sample = middle;
+    sample.tet = walker.find(middle.tet, p);
+    if (sample.tet < 0) continue;
+    sample.barycentric = mesh::barycentric(domain.mesh, sample.tet, p);
+    out.push_back(sample);
+  }
+  if (out.size() == begin) out.push_back(middle);
+  const double share = 1.0 / static_cast<double>(out.size() - begin);
+  for (std::size_t i = begin; i < out.size(); ++i) {
+    out[i].length *= share;
+    out[i].weight *= share;
+  }
+}
+
+void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue& tissue,
+              const TissueOptions& options, Job& job) {
+  const TissueCurve& curve = tissue.curves[job.curve];
+  if (curve.spline.points().size() < 2) {
+    job.error = Error{
+        ErrorCode::ZeroLengthCurve,
+        fmt::format("{} has no length; draw it again or delete it", nameOf(tissue, job.curve)),
+        {.object = tissue.name}};
+    return;
+  }
+  EC_REQUIRE_EQ(curve.values.size(), curve.spline.points().size());
+  job.length = curve.spline.length();
+  const CurveWalk walk = walker.walk(curve.spline);
+  if (walk.pieces.empty()) {
+    const Vector3 middle = curve.spline.at(0.5 * curve.spline.lastParameter());
+    job.error = Error{
+        ErrorCode::CurveOutsideDomain,
+        fmt::format("{} lies nowhere between skin and bones (its middle is at ({:.4g}, {:.4g}, "
+                    "{:.4g}) m); move its control points into the flesh",
+                    nameOf(tissue, job.curve), middle.x(), middle.y(), middle.z()),
+        {.object = tissue.name, .point = middle}};
+    return;
+  }
+  judgeGaps(domain, tissue, walk, job);
+  if (job.error) return;
+
+  const double rho = coreRadius(tissue, options, domain);
+  for (const CurvePiece& piece : walk.pieces) {
+    const double s0 = curve.spline.lengthTo(piece.u0);
+    const double s1 = curve.spline.lengthTo(piece.u1);
+    const double h = walker.meanEdges()[piece.tet];
+    if (!(s1 > s0)) continue;
+    CoreSample sample;
+    sample.tissue = TissueId(kFirstMuscle.value + static_cast<std::int64_t>(job.tissue));
+    sample.curve = static_cast<std::int32_t>(job.curve);
+    sample.tet = piece.tet;
+    sample.u = curve.spline.parameterAt(0.5 * (s0 + s1));
+    sample.length = s1 - s0;
+    sample.tangent = curve.spline.tangent(sample.u);
+    // The chord stood for the curve: pull the middle of a bent piece back into its tet
+    const Vector3 middle = curve.spline.at(sample.u);
+    const Eigen::Vector4d b = mesh::barycentric(domain.mesh, piece.tet, middle).cwiseMax(0.0);
+    sample.barycentric = b / b.sum();
+    job.covered += sample.length;
+
+    if (options.alpha) {
+      sample.weight = *options.alpha;
+      job.samples.push_back(sample);
+    } else if (kWellC * h >= rho) {
+      sample.weight = wellWeight(rho, h) * sample.length;
+      job.samples.push_back(sample);
+    } else {
+      sample.weight = wellWeight(rho, h) * sample.length;
+      addDisc(walker, domain, sample, middle, rho, h, job.samples);
+    }
+  }
+}
+
+}  // namespace
+
+double coreRadius(const CurveTissue& tissue, const TissueOptions& options, const Domain& domain) {
+  return tissue.coreRadius.value_or(options.coreRadius.value_or(0.001 * domain.skinDiagonal));
+}
+
+Result<CoreSamples> traceCurves(const Domain& domain, const std::vector<CurveTissue>& tissues,
+                                const TissueOptions& options, RunContext& run) {
+  if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while tracing curves");
+  const CurveWalker walker(domain);
+  return traceCurves(walker, domain, tissues, options, run);
+}
+
+Result<CoreSamples> traceCurves(const CurveWalker& walker, const Domain& domain,
+                                const std::vector<CurveTissue>& tissues,
+                                const TissueOptions& options, RunContext& run) {
+  const Stage stage(run, "curves");
+  std::vector<Job> jobs;
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    if (tissues[i].curves.empty()) {
+      return fail(ErrorCode::MuscleWithoutCurve,
+                  fmt::format("{} has no curve; draw one or delete it", tissues[i].name),
+                  {.object = tissues[i].name});
+    }
+    for (std::size_t c = 0; c < tissues[i].curves.size(); ++c) {
+      Job job;
+      job.tissue = i;
+      job.curve = c;
+      jobs.push_back(std::move(job));
+    }
+  }
+  parallelFor(
+      static_cast<std::int64_t>(jobs.size()),
+      [&](std::int64_t j) {
+        Job& job = jobs[static_cast<std::size_t>(j)];
+        if (!run.cancelled()) traceOne(walker, domain, tissues[job.tissue], options, job);
+      },
+      1);
+  if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while tracing curves");
+
+  CoreSamples out;
+  std::vector<double> covered(tissues.size(), 0.0);
+  std::vector<double> length(tissues.size(), 0.0);
+  for (Job& job : jobs) {
+    if (job.error) return tl::unexpected<Error>(std::move(*job.error));
+    out.samples.insert(out.samples.end(), job.samples.begin(), job.samples.end());
+    out.findings.insert(out.findings.end(), job.findings.begin(), job.findings.end());
+    covered[job.tissue] += job.covered;
+    length[job.tissue] += job.length;
+  }
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    out.coveredShare.push_back(length[i] > 0.0 ? std::min(1.0, covered[i] / length[i]) : 0.0);
+  }
+  return out;
+}
+
+}  // namespace ecorche::tissue

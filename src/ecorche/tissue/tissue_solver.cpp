@@ -1,0 +1,381 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/mesh/cholesky.h>
+#include <ecorche/mesh/operators.h>
+#include <ecorche/tissue/anisotropy.h>
+#include <ecorche/tissue/tissue_solver.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+// Letters as in the paper: K system, B core rows, W weights, d targets, A tensors. Rows of K are
+// the vertices that are not skin; fields are 0 on skin, so columns of skin vertices never appear.
+
+namespace ecorche::tissue {
+
+using domain::Domain;
+using mesh::Vector3;
+
+namespace {
+
+tl::unexpected<Error> cancelled() {
+  return fail(ErrorCode::Cancelled, "cancelled while solving tissue fields");
+}
+
+// Components of the free vertices, to find those that nothing holds: there K is singular, and a
+// factorisation may still say success and answer with values near 1e16.
+struct Components {
+  std::vector<std::int32_t> ofRow;
+  std::vector<std::uint8_t> touchesSkin;  // per component
+};
+
+Components findComponents(const mesh::TetMesh& mesh, const mesh::StiffnessPattern& pattern) {
+  Components out;
+  out.ofRow.assign(pattern.vertex.size(), -1);
+  std::vector<std::int32_t> queue;
+  for (std::int32_t seed = 0; seed < pattern.rowCount(); ++seed) {
+    if (out.ofRow[static_cast<std::size_t>(seed)] >= 0) continue;
+    const auto component = static_cast<std::int32_t>(out.touchesSkin.size());
+    out.touchesSkin.push_back(0);
+    queue.assign(1, seed);
+    out.ofRow[static_cast<std::size_t>(seed)] = component;
+    while (!queue.empty()) {
+      const auto v =
+          static_cast<std::size_t>(pattern.vertex[static_cast<std::size_t>(queue.back())]);
+      queue.pop_back();
+      for (auto i = pattern.vertexTets.first[v]; i < pattern.vertexTets.first[v + 1]; ++i) {
+        const auto t = pattern.vertexTets.tet[static_cast<std::size_t>(i)];
+        for (int k = 0; k < 4; ++k) {
+          const std::int32_t r = pattern.row[static_cast<std::size_t>(mesh.T(t, k))];
+          if (r < 0) {
+            out.touchesSkin[static_cast<std::size_t>(component)] = 1;
+          } else if (out.ofRow[static_cast<std::size_t>(r)] < 0) {
+            out.ofRow[static_cast<std::size_t>(r)] = component;
+            queue.push_back(r);
+          }
+        }
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+struct TissueSolver::Impl {
+  const Domain& domain;
+  mesh::StiffnessPattern pattern;
+  std::optional<mesh::SymbolicCholesky> symbolic;
+  std::vector<double> L;  // isotropic stiffness on the pattern
+  Components components;
+  Findings findings;
+
+  explicit Impl(const Domain& d) : domain(d) {}
+
+  [[nodiscard]] std::int32_t row(const CoreSample& s, int k) const {
+    return pattern.row[static_cast<std::size_t>(domain.mesh.T(s.tet, k))];
+  }
+  [[nodiscard]] Vector3 place(std::int64_t r) const {
+    return domain.mesh.V.row(pattern.vertex[static_cast<std::size_t>(r)]).transpose();
+  }
+
+  // K += Bᵀ W B: a row lives inside one tet, so it adds no fill
+  template <class Weight>
+  void addCores(const CoreSamples& cores, const Weight& weight, std::vector<double>& K) const {
+    for (const CoreSample& s : cores.samples) {
+      const double w = weight(s);
+      for (int k = 0; k < 4; ++k) {
+        const std::int32_t r = row(s, k);
+        if (r < 0) continue;
+        K[static_cast<std::size_t>(pattern.diagonal(r))] += w * s.barycentric[k] * s.barycentric[k];
+      }
+      for (std::size_t e = 0; e < 6; ++e) {
+        const std::int32_t slot = pattern.edgeSlot[static_cast<std::size_t>(s.tet)][e];
+        if (slot < 0) continue;
+        K[static_cast<std::size_t>(slot)] +=
+            w * s.barycentric[mesh::kTetEdge[e][0]] * s.barycentric[mesh::kTetEdge[e][1]];
+      }
+    }
+  }
+
+  // Column += w d Bᵀ of one row
+  void addTarget(const CoreSample& s, double wd, Eigen::Ref<Eigen::VectorXd> column) const {
+    for (int k = 0; k < 4; ++k) {
+      const std::int32_t r = row(s, k);
+      if (r >= 0) column[r] += wd * s.barycentric[k];
+    }
+  }
+
+  [[nodiscard]] Result<void> checkHeld(const CoreSamples& cores) const {
+    std::vector<std::uint8_t> held = components.touchesSkin;
+    for (const CoreSample& s : cores.samples) {
+      for (int k = 0; k < 4; ++k) {
+        const std::int32_t r = row(s, k);
+        if (r >= 0)
+          held[static_cast<std::size_t>(components.ofRow[static_cast<std::size_t>(r)])] = 1;
+      }
+    }
+    for (std::size_t r = 0; r < components.ofRow.size(); ++r) {
+      if (held[static_cast<std::size_t>(components.ofRow[r])] != 0) continue;
+      const Vector3 p = place(static_cast<std::int64_t>(r));
+      return fail(
+          ErrorCode::ComponentWithoutSkin,
+          fmt::format(
+              "a part of the domain at ({:.4g}, {:.4g}, {:.4g}) m touches neither skin nor curve; "
+              "close the gap between bones there or draw a curve through it",
+              p.x(), p.y(), p.z()),
+          {.point = p});
+    }
+    return {};
+  }
+
+  [[nodiscard]] tl::unexpected<Error> singular(const mesh::Cholesky& factor,
+                                               const std::string& who) const {
+    const Vector3 p = place(factor.badRow());
+    return fail(ErrorCode::SystemSingular,
+                fmt::format("the equations of {} have no stable solution near ({:.4g}, {:.4g}, "
+                            "{:.4g}) m: tets there "
+                            "are too flat; build the domain at another resolution",
+                            who, p.x(), p.y(), p.z()),
+                {.object = who, .point = p});
+  }
+
+  // Tensor of every tet from the spread logarithms: S = (Σ g S_j) / (Σ g), columns xx yy zz xy xz
+  // yz and Σ g last
+  [[nodiscard]] std::vector<Eigen::Matrix3d> tetTensors(
+      const Eigen::Ref<const Eigen::MatrixXd>& spread, const Anisotropy& anisotropy) const {
+    const double l2 = std::log(anisotropy.lambda2);
+    const double l3 = std::log(anisotropy.lambda3);
+    const double lowest = std::min({0.0, l2, l3});
+    const double highest = std::max({0.0, l2, l3});
+    const double negligible = 1e-12 * spread.col(6).maxCoeff();
+    std::vector<Eigen::Matrix3d> atRow(pattern.vertex.size());
+    parallelFor(pattern.rowCount(), [&](std::int64_t r) {
+      Eigen::Matrix3d& A = atRow[static_cast<std::size_t>(r)];
+      A.setIdentity();
+      const double total = spread(r, 6);
+      if (!(total > negligible)) return;  // behind other curves, out of reach: any tensor will do
+      Eigen::Matrix3d S;
+      S << spread(r, 0), spread(r, 3), spread(r, 4),  //
+          spread(r, 3), spread(r, 1), spread(r, 5),   //
+          spread(r, 4), spread(r, 5), spread(r, 2);
+      A = tensorFromLog(S / total, lowest, highest);
+    });
+    std::vector<Eigen::Matrix3d> A(static_cast<std::size_t>(domain.mesh.T.rows()));
+    parallelFor(domain.mesh.T.rows(), [&](std::int64_t t) {
+      // A mean of positive definite tensors is one; skin corners have none of their own
+      Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+      int count = 0;
+      for (int k = 0; k < 4; ++k) {
+        const std::int32_t r = pattern.row[static_cast<std::size_t>(domain.mesh.T(t, k))];
+        if (r < 0) continue;
+        sum += atRow[static_cast<std::size_t>(r)];
+        ++count;
+      }
+      A[static_cast<std::size_t>(t)] =
+          count > 0 ? Eigen::Matrix3d(sum / count) : Eigen::Matrix3d::Identity();
+    });
+    return A;
+  }
+};
+
+TissueSolver::TissueSolver(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TissueSolver::TissueSolver(TissueSolver&&) noexcept = default;
+TissueSolver& TissueSolver::operator=(TissueSolver&&) noexcept = default;
+TissueSolver::~TissueSolver() = default;
+
+double TissueSolver::factorEntries() const { return impl_->symbolic->factorEntries(); }
+
+Result<TissueSolver> TissueSolver::create(const Domain& domain, RunContext& run) {
+  const Stage stage(run, "tissue analysis");
+  if (run.cancelled()) return cancelled();
+  auto impl = std::make_unique<Impl>(domain);
+  impl->pattern = mesh::stiffnessPattern(domain.mesh, domain.onSkin);
+  run.progress("tissue analysis", 0.2);
+  if (run.cancelled()) return cancelled();
+
+  const mesh::EdgeStiffness stiffness = mesh::edgeStiffness(domain.mesh);
+  impl->L = mesh::assembleStiffness(domain.mesh, impl->pattern, stiffness);
+  impl->components = findComponents(domain.mesh, impl->pattern);
+  if (!stiffness.flattened.empty()) {
+    const Vector3 p =
+        domain.mesh.V(domain.mesh.T.row(stiffness.flattened.front()), Eigen::all).colwise().mean();
+    impl->findings.push_back(
+        {Severity::Repaired, "sliver-energy", "domain",
+         fmt::format("{} tets are so flat that their part in the energy was capped; fields there "
+                     "are smoother than they should be",
+                     stiffness.flattened.size()),
+         p, static_cast<double>(stiffness.flattened.size())});
+  }
+  run.progress("tissue analysis", 0.4);
+  if (run.cancelled()) return cancelled();
+  if (impl->pattern.rowCount() > 0) impl->symbolic.emplace(impl->pattern);
+  if (run.cancelled()) return cancelled();
+  return TissueSolver(std::move(impl));
+}
+
+Result<TissueFields> TissueSolver::solve(const CoreSamples& cores,
+                                         const std::vector<CurveTissue>& tissues,
+                                         const TissueOptions& options, RunContext& run) const {
+  const Impl& I = *impl_;
+  const Stage stage(run, "tissue fields");
+  if (run.cancelled()) return cancelled();
+  if (auto held = I.checkHeld(cores); !held) return passOn(held);
+  const auto tissueCount = static_cast<Eigen::Index>(tissues.size());
+  const Eigen::Index n = I.pattern.rowCount();
+  const auto tissueOf = [&](const CoreSample& s) {
+    return static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
+  };
+
+  TissueFields out;
+  out.findings = I.findings;
+  out.fatIsCandidate = options.fat > 0.0;
+  out.maxValue = options.fat;
+  std::vector<double> largest(tissues.size(), 0.0);
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    for (const TissueCurve& c : tissues[i].curves) {
+      for (const double value : c.values) largest[i] = std::max(largest[i], value);
+    }
+    out.maxValue = std::max(out.maxValue, largest[i]);
+  }
+  out.values = FieldMatrix::Zero(I.domain.mesh.V.rows(), tissueCount + 1);
+  for (std::size_t v = 0; v < I.domain.onSkin.size(); ++v) {
+    if (I.domain.onSkin[v] != 0) out.values(static_cast<Eigen::Index>(v), 0) = options.fat;
+  }
+  if (n == 0) return out;
+
+  // Right-hand sides. Column 0: all curves at 1, for fat. One per isotropic tissue: Bᵀ W d. Seven
+  // per anisotropic one: the logarithm of its tensor on its own rows, and their weights.
+  std::vector<Eigen::Index> column(tissues.size());
+  Eigen::Index columnCount = 1;
+  std::vector<std::size_t> anisotropic;
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    column[i] = columnCount;
+    const bool isotropic = tissues[i].anisotropy.isIsotropic();
+    columnCount += isotropic ? 1 : 7;
+    if (!isotropic) anisotropic.push_back(i);
+  }
+  Eigen::MatrixXd X = Eigen::MatrixXd::Zero(n, columnCount);
+  std::vector<double> target(cores.samples.size());
+  for (std::size_t s = 0; s < cores.samples.size(); ++s) {
+    const CoreSample& sample = cores.samples[s];
+    const TissueCurve& curve =
+        tissues[tissueOf(sample)].curves[static_cast<std::size_t>(sample.curve)];
+    target[s] = curve.spline.interpolate(curve.values, sample.u);
+    I.addTarget(sample, sample.weight, X.col(0));
+    if (tissues[tissueOf(sample)].anisotropy.isIsotropic()) {
+      I.addTarget(sample, sample.weight * target[s], X.col(column[tissueOf(sample)]));
+    }
+  }
+  for (const std::size_t i : anisotropic) {
+    for (std::size_t c = 0; c < tissues[i].curves.size(); ++c) {
+      std::vector<const CoreSample*> own;
+      std::vector<double> u;
+      for (const CoreSample& s : cores.samples) {
+        if (tissueOf(s) != i || s.curve != static_cast<std::int32_t>(c)) continue;
+        own.push_back(&s);
+        u.push_back(s.u);
+      }
+      const auto frames =
+          curveFrames(I.domain, tissues[i].curves[c].spline, tissues[i].anisotropy.rotation, u);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const Eigen::Matrix3d S = logTensor(frames[k], tissues[i].anisotropy);
+        const std::array<double, 7> entry = {S(0, 0), S(1, 1), S(2, 2), S(0, 1),
+                                             S(0, 2), S(1, 2), 1.0};
+        for (std::size_t e = 0; e < entry.size(); ++e) {
+          I.addTarget(*own[k], own[k]->weight * entry[e],
+                      X.col(column[i] + static_cast<Eigen::Index>(e)));
+        }
+      }
+    }
+  }
+
+  // One factor serves fat, every isotropic field and the spreading of tensors: K = L + Bᵀ W B
+  {
+    std::vector<double> K = I.L;
+    I.addCores(
+        cores, [](const CoreSample& s) { return s.weight; }, K);
+    const mesh::Cholesky factor(*I.symbolic, K);
+    if (!factor.ok()) return I.singular(factor, "the tissue fields");
+    run.progress("tissue fields", 0.5);
+    if (run.cancelled()) return cancelled();
+    factor.solveInPlace(X, [&] { return run.cancelled(); });
+    if (run.cancelled()) return cancelled();
+  }
+  run.progress("tissue fields", 0.8);
+
+  // Anisotropic tissues have their own matrix on the same pattern
+  std::mutex mutex;
+  std::optional<Error> error;
+  std::vector<Eigen::VectorXd> own(tissues.size());
+  parallelFor(
+      static_cast<std::int64_t>(anisotropic.size()),
+      [&](std::int64_t k) {
+        if (run.cancelled()) return;
+        const std::size_t i = anisotropic[static_cast<std::size_t>(k)];
+        const auto A = I.tetTensors(X.middleCols(column[i], 7), tissues[i].anisotropy);
+        std::vector<double> K = mesh::assembleStiffness(I.domain.mesh, I.pattern,
+                                                        mesh::edgeStiffness(I.domain.mesh, A));
+        // A line in this medium has √det(A across it) times the capacity; its own curve: √(λ2 λ3)
+        const auto weight = [&](const CoreSample& s) {
+          return s.weight * crossCapacity(A[static_cast<std::size_t>(s.tet)], s.tangent);
+        };
+        I.addCores(cores, weight, K);
+        if (run.cancelled()) return;
+        const mesh::Cholesky factor(*I.symbolic, K, 1);
+        if (!factor.ok()) {
+          const std::lock_guard lock(mutex);
+          if (!error) error = I.singular(factor, tissues[i].name).value();
+          return;
+        }
+        Eigen::MatrixXd x = Eigen::MatrixXd::Zero(n, 1);
+        for (std::size_t s = 0; s < cores.samples.size(); ++s) {
+          if (tissueOf(cores.samples[s]) != i) continue;
+          I.addTarget(cores.samples[s], weight(cores.samples[s]) * target[s], x.col(0));
+        }
+        factor.solveInPlace(x);
+        own[i] = x.col(0);
+      },
+      1);
+  if (run.cancelled()) return cancelled();
+  if (error) return tl::unexpected<Error>(std::move(*error));
+
+  // Fat is what the curves leave: f_s = d_fat (1 − φ), φ the field with all curves at 1
+  parallelFor(n, [&](std::int64_t r) {
+    auto f = out.values.row(I.pattern.vertex[static_cast<std::size_t>(r)]);
+    f[0] = options.fat * (1.0 - X(r, 0));
+    for (std::size_t i = 0; i < tissues.size(); ++i) {
+      f[static_cast<Eigen::Index>(i) + 1] = own[i].size() > 0 ? own[i][r] : X(r, column[i]);
+    }
+  });
+
+  // How far poor tets break the maximum principle
+  if (out.maxValue > 0.0) {
+    const Eigen::RowVectorXd lowest = out.values.colwise().minCoeff();
+    const Eigen::RowVectorXd highest = out.values.colwise().maxCoeff();
+    out.undershoot = std::max(0.0, -lowest.minCoeff()) / out.maxValue;
+    out.overshoot = std::max(0.0, highest[0] - options.fat) / out.maxValue;
+    for (std::size_t i = 0; i < tissues.size(); ++i) {
+      out.overshoot = std::max(
+          out.overshoot, (highest[static_cast<Eigen::Index>(i) + 1] - largest[i]) / out.maxValue);
+    }
+  }
+  if (!out.values.allFinite()) {
+    return fail(ErrorCode::SystemSingular,
+                "the tissue fields are not finite; build the domain at another resolution");
+  }
+  return out;
+}
+
+Result<TissueFields> solveTissueFields(const Domain& domain, const CoreSamples& cores,
+                                       const std::vector<CurveTissue>& tissues,
+                                       const TissueOptions& options, RunContext& run) {
+  const auto solver = TissueSolver::create(domain, run);
+  if (!solver) return passOn(solver);
+  return solver->solve(cores, tissues, options, run);
+}
+
+}  // namespace ecorche::tissue

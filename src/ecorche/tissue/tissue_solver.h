@@ -1,0 +1,55 @@
+#pragma once
+
+#include <ecorche/tissue/tissue_fields.h>
+
+#include <memory>
+
+namespace ecorche::tissue {
+
+/// One smooth field per muscle and filler and one for fat; the largest owns the point.
+///
+/// Minimises the Dirichlet energy with curves as soft constraints [ABLSJ21 §3.3, §3.4, §3.7]; the
+/// rows and weights are those of `cores`. Fields are 0 on skin (fat: its value there) and free on
+/// bones and cut planes.
+///
+/// @param domain   tagged tets; every component of it needs skin or a curve
+/// @param cores    rows of every curve, from traceCurves with the same tissues and options
+/// @return  fields, unchanged when the model is moved, turned or uniformly scaled; permuting the
+/// tissues permutes them;
+///          how far they leave [0, largest value] on poor tets is in the result. The same bytes for
+///          the same number of threads.
+/// @errors  ComponentWithoutSkin (and without curve), SystemSingular (with the place), Cancelled
+///
+/// Costs one analysis and one factorisation for fat and all isotropic tissues, and one more
+/// factorisation per anisotropic one.
+[[nodiscard]] Result<TissueFields> solveTissueFields(const domain::Domain& domain,
+                                                     const CoreSamples& cores,
+                                                     const std::vector<CurveTissue>& tissues,
+                                                     const TissueOptions& options, RunContext& run);
+
+/// What can be done once per domain: energies, sparsity, ordering. Answers any number of tissue
+/// lists after that.
+class TissueSolver {
+ public:
+  /// Keeps a reference to the domain, which must outlive the solver.
+  /// @errors  Cancelled
+  [[nodiscard]] static Result<TissueSolver> create(const domain::Domain& domain, RunContext& run);
+  TissueSolver(TissueSolver&&) noexcept;
+  TissueSolver& operator=(TissueSolver&&) noexcept;
+  ~TissueSolver();
+
+  /// As solveTissueFields. Safe from several threads.
+  [[nodiscard]] Result<TissueFields> solve(const CoreSamples& cores,
+                                           const std::vector<CurveTissue>& tissues,
+                                           const TissueOptions& options, RunContext& run) const;
+
+  /// Entries of the factor, for reports.
+  [[nodiscard]] double factorEntries() const;
+
+ private:
+  struct Impl;
+  explicit TissueSolver(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ecorche::tissue
