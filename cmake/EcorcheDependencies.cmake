@@ -34,6 +34,7 @@ add_library(ecorche::cholmod ALIAS ecorche_cholmod)
 
 if(ECORCHE_TESTS)
   find_package(Catch2 2.13 REQUIRED)
+  find_package(rapidcheck REQUIRED)
   include(Catch)
 endif()
 

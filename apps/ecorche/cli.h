@@ -43,5 +43,6 @@ struct Command {
 /// and body.
 using Commands = std::vector<Command>;
 void addInfo(CLI::App& app, Commands& commands);
+void addRun(CLI::App& app, Commands& commands);
 
 }  // namespace ecorche::cli

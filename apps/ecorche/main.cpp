@@ -74,6 +74,7 @@ int run(int argc, char** argv) {
 
   Commands commands;
   addInfo(app, commands);
+  addRun(app, commands);
 
   try {
     app.parse(argc, argv);

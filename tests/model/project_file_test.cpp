@@ -227,6 +227,16 @@ TEST_CASE("loading says what is wrong with the file itself") {
   CHECK(loadProject(temp.path()).error().code == ErrorCode::FileNotReadable);
 }
 
+TEST_CASE("a project moved to another folder names the same meshes") {
+  const Project here = parseProject(test::kFullProject, "work/arm/forearm.ecorche").value();
+  const Project there = movedTo(here, "work/copies/arm");
+  CHECK(there.skin.file == "../../arm/skin.obj");
+  CHECK(there.tissues[1].attachments[1].patch->file == "../../arm/patches.obj");
+  CHECK(meshPath(there, there.bones[1].mesh).lexically_normal() ==
+        meshPath(here, here.bones[1].mesh).lexically_normal());
+  CHECK(movedTo(there, "work/arm") == here);
+}
+
 TEST_CASE("what could not be loaded again is not written") {
   test::TempFolder temp;
   const auto file = temp.path() / "p.ecorche";

@@ -95,6 +95,30 @@ double metresPerUnit(const Project& project, const MeshRef& mesh) {
   return metresPer(mesh.unit.value_or(project.unit));
 }
 
+std::string pathFrom(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  const auto whole = std::filesystem::absolute(file).lexically_normal();
+  const auto base = std::filesystem::absolute(folder).lexically_normal();
+  const auto relative = whole.lexically_relative(base);
+  return (relative.empty() ? whole : relative).generic_string();  // empty: on another drive
+}
+
+Project movedTo(Project project, const std::filesystem::path& folder) {
+  const auto move = [&](MeshRef& mesh) {
+    if (std::filesystem::path(mesh.file).is_relative())
+      mesh.file = pathFrom(folder, project.folder / mesh.file);
+  };
+  move(project.skin);
+  for (Bone& bone : project.bones) move(bone.mesh);
+  for (Tissue& tissue : project.tissues) {
+    if (tissue.mesh) move(*tissue.mesh);
+    for (Attachment& attachment : tissue.attachments) {
+      if (attachment.patch) move(*attachment.patch);
+    }
+  }
+  project.folder = folder;
+  return project;
+}
+
 std::optional<std::size_t> findBone(const Project& project, std::string_view name) {
   return findNamed(project.bones, name);
 }

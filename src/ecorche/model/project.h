@@ -141,6 +141,12 @@ struct Project {
 [[nodiscard]] std::filesystem::path meshPath(const Project& project, const MeshRef& mesh);
 [[nodiscard]] double metresPerUnit(const Project& project, const MeshRef& mesh);
 
+/// How a mesh file is written in a project in `folder`: relative to it, '/' between folders.
+[[nodiscard]] std::string pathFrom(const std::filesystem::path& folder,
+                                   const std::filesystem::path& file);
+/// The same project for a file in another folder: relative paths lead to the same meshes as before.
+[[nodiscard]] Project movedTo(Project project, const std::filesystem::path& folder);
+
 /// Place in the list; nothing where no such name is.
 [[nodiscard]] std::optional<std::size_t> findBone(const Project& project, std::string_view name);
 [[nodiscard]] std::optional<std::size_t> findCutPlane(const Project& project,
