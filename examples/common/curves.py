@@ -91,6 +91,22 @@ class Bones:
         return best, away, name
 
 
+def spread_ends(points, anchors, bones, apart=0.005, rounds=80):
+    """Slides ends that crowd on one bone apart along its surface, in place.
+
+    @param anchors  for every curve the surfaces its start and its end lie on, keys of `bones`
+    """
+    where = [(i, k) for i in range(len(points)) for k in (0, -1) if anchors[i][k] in bones]
+    for _ in range(rounds):
+        at = np.array([points[i][k] for i, k in where])
+        gap = at[:, None] - at[None]
+        length = np.linalg.norm(gap, axis=2) + np.eye(len(at))
+        push = (gap / np.maximum(length, 1e-6)[..., None] * np.maximum(0, apart - length)[..., None]).sum(1)
+        for (i, k), step in zip(where, push):
+            if np.linalg.norm(step) > 1e-5:
+                points[i][k] = bones[anchors[i][k]].project(points[i][k] + 0.3 * step)
+
+
 def basis(points, per_segment=24):
     """How much each sample of the spline moves with each control point: hat functions in u, enough for pushing."""
     _, u = spline(points, per_segment)

@@ -145,19 +145,6 @@ def first_guess(muscle, head, sites, bones):
     return points, values
 
 
-def spread_ends(points, anchors, bones, apart=0.005, rounds=80):
-    """Slides ends that crowd on one bone apart along its surface."""
-    where = [(i, k) for i in range(len(points)) for k in (0, -1) if anchors[i][k] in bones]
-    for _ in range(rounds):
-        at = np.array([points[i][k] for i, k in where])
-        gap = at[:, None] - at[None]
-        length = np.linalg.norm(gap, axis=2) + np.eye(len(at))
-        push = (gap / np.maximum(length, 1e-6)[..., None] * np.maximum(0, apart - length)[..., None]).sum(1)
-        for (i, k), step in zip(where, push):
-            if np.linalg.norm(step) > 1e-5:
-                points[i][k] = bones[anchors[i][k]].project(points[i][k] + 0.3 * step)
-
-
 def anchor(name, bones):
     """What an end sits on, as the project file says it; none where it is free."""
     if name == "free":
@@ -177,7 +164,7 @@ def main():
     guesses = [first_guess(muscle, head, sites, bones) for muscle, head in heads]
     points = [g[0] for g in guesses]
     anchors = [(head.start.bone, head.end.bone) for _, head in heads]
-    spread_ends(points, anchors, bones)
+    cv.spread_ends(points, anchors, bones)
     # Sheets keep their own curves apart by construction; heads of one muscle may meet
     around, values = cv.Bones(bones), [g[1] for g in guesses]
     for _ in range(4):

@@ -1,0 +1,120 @@
+"""Makes the arm: skin.obj, bones.obj and arm.ecorche, and the same arm twice on a trunk for the half-model test.
+
+    python3 make_arm.py            everything
+    python3 make_arm.py --curves   only the project files, on the meshes that are there
+
+Needs ../requirements.txt. Every mesh is checked before it is written: closed, manifold, outward, free of
+self-intersections, bones at least 1 mm apart and 2 mm under the skin.
+"""
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "common"))
+import curves as cv  # noqa: E402
+import implicit as im  # noqa: E402
+import meshes as ms  # noqa: E402
+import project as pj  # noqa: E402
+import arm_bones as ab  # noqa: E402
+import arm_skin  # noqa: E402
+from arm_muscles import MUSCLES  # noqa: E402
+
+
+def metres(mesh):
+    mesh.apply_scale(0.001)
+    return ms.rounded(mesh)
+
+
+def make_meshes():
+    bones = {}
+    for name, shape in ab.shapes().items():
+        bones[name] = metres(im.mesh_of(shape, *ab.BOX, 1.0, ab.TRIANGLES[name]))
+        print(f"  {name}: {len(bones[name].faces)} triangles, {1e6 * bones[name].volume:.0f} cm³", flush=True)
+    skin = metres(im.mesh_of(arm_skin.single(), *ab.BOX, 2.0, 15000))
+    ms.verify(bones, skin)
+    ms.write_obj(HERE / "bones.obj", bones, "Bones of a left arm, made by make_arm.py; metres")
+    ms.write_obj(HERE / "skin.obj", {"skin": skin}, "Skin of a left arm, made by make_arm.py; metres")
+
+
+def read_parts(file):
+    """The parts of an OBJ that write_obj wrote."""
+    parts, name, vertices, faces, first = {}, None, [], [], 0
+    for line in file.read_text().splitlines() + ["o "]:
+        word, *rest = line.split() or [""]
+        if word == "o":
+            if name:
+                parts[name] = trimesh.Trimesh(vertices, np.array(faces) - 1 - first, process=False)
+                first += len(vertices)
+            name, vertices, faces = " ".join(rest), [], []
+        elif word == "v":
+            vertices.append([float(c) for c in rest])
+        elif word == "f":
+            faces.append([int(c) for c in rest])
+    return parts
+
+
+def default_values(count):
+    """A belly between two tendons."""
+    x = np.linspace(-1, 1, count)
+    return 1.0 - 0.4 * x**4
+
+
+def make_curves(bones, skin, factors):
+    heads = [(muscle, head) for muscle in MUSCLES for head in muscle.heads]
+    surfaces = {name: cv.Surface(mesh.vertices, mesh.faces) for name, mesh in bones.items()}
+    points, values, anchors = [], [], []
+    for _, head in heads:
+        (start, first), (end, last) = head.start, head.end
+        inner = [np.asarray(p) / 1000 for p in head.course]
+        points.append(np.array([surfaces[start].project(np.asarray(first) / 1000), *inner,
+                                surfaces[end].project(np.asarray(last) / 1000)]))
+        values.append(np.array(head.values) if head.values else default_values(len(points[-1])))
+        anchors.append((start, end))
+    around, skin = cv.Bones(surfaces), cv.Surface(skin.vertices, skin.faces)
+    cv.spread_ends(points, anchors, surfaces)
+    for _ in range(4):
+        points = cv.relax(points, around, skin, same=[m.name for m, _ in heads])
+        if not any(cv.refine(points, values, around, skin)):
+            break
+    points = cv.relax(points, around, skin, same=[m.name for m, _ in heads])
+    for complaint in cv.check(points, [f"{m.name}/{h.name}" for m, h in heads], around, skin):
+        print("  !", complaint)
+
+    tissues = []
+    for muscle in MUSCLES:
+        entry = {"name": muscle.name, "kind": "muscle", "side": "left", "group": muscle.group, "layer": muscle.layer}
+        if muscle.anisotropy:
+            entry["anisotropy"] = dict(zip(("lambda2", "lambda3", "rotation"), muscle.anisotropy))
+        factor = factors.get(muscle.name, muscle.value)
+        entry["curves"] = [
+            pj.curve(head.name, at, factor * value, *[("bone", bone) for bone in ends])
+            for (owner, head), at, value, ends in zip(heads, points, values, anchors) if owner is muscle
+        ]
+        tissues.append(entry)
+    return tissues
+
+
+def main():
+    if "--curves" not in sys.argv:
+        make_meshes()
+    bones, skin = read_parts(HERE / "bones.obj"), read_parts(HERE / "skin.obj")["skin"]
+    fitted = HERE / "values.json"
+    tissues = make_curves(bones, skin, json.loads(fitted.read_text()) if fitted.exists() else {})
+    pj.save(HERE / "arm.ecorche", {
+        "schema": 1,
+        "name": "left arm",
+        "unit": "m",
+        "skin": {"file": "skin.obj"},
+        "bones": [{"name": name, "file": "bones.obj", "part": name} for name in bones],
+        "settings": {"fat": 0.3, "core_radius": 0.001, "tets": 200000},
+        "tissues": tissues,
+    })
+    print(f"{len(tissues)} muscles, {sum(len(t['curves']) for t in tissues)} curves")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,301 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/render/gpu_scene.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecorche::render {
+namespace {
+
+struct GpuVertex {
+  float position[3];
+  std::int16_t normal[3];
+  std::uint16_t item;  // highest bit: not clipped
+  std::uint16_t colour[4];
+};
+static_assert(sizeof(GpuVertex) == 28);
+
+struct TubeInstance {
+  float from[3];
+  float to[3];
+  float colour[4];
+  float radius[2];  // pixels; metres where above 0
+};
+
+struct BallInstance {
+  float centre[3];
+  float colour[4];
+  float radius;
+};
+
+constexpr std::uint16_t kNotClipped = 0x8000u;
+
+bool isTransparent(const SurfaceItem& item) {
+  if (!item.faceColours) return item.colour[3] < 1.0f;
+  return std::any_of(item.faceColours->begin(), item.faceColours->end(),
+                     [](const Rgba& c) { return c[3] < 1.0f; });
+}
+
+void store(const Rgba& colour, std::uint16_t* out) {
+  for (std::size_t c = 0; c < 4; ++c)
+    out[c] = static_cast<std::uint16_t>(std::lround(65535.0f * std::clamp(colour[c], 0.0f, 1.0f)));
+}
+
+void storeNormal(const mesh::Directions& normals, Eigen::Index row, std::int16_t* out) {
+  for (Eigen::Index c = 0; c < 3; ++c)
+    out[c] =
+        static_cast<std::int16_t>(std::lround(32767.0 * std::clamp(normals(row, c), -1.0, 1.0)));
+}
+
+void fill(const gl::Buffer& buffer, GLenum target, const void* data, std::size_t bytes) {
+  glBindBuffer(target, buffer.id());
+  glBufferData(target, static_cast<GLsizeiptr>(bytes), data, GL_STATIC_DRAW);
+}
+
+void attribute(GLuint index, GLint size, GLenum type, bool normalised, std::size_t stride,
+               std::size_t offset, GLuint divisor) {
+  glEnableVertexAttribArray(index);
+  glVertexAttribPointer(index, size, type, normalised ? GL_TRUE : GL_FALSE,
+                        static_cast<GLsizei>(stride), reinterpret_cast<const void*>(offset));
+  glVertexAttribDivisor(index, divisor);
+}
+
+// What one pass over the items gathers before it goes to the card.
+struct Gathered {
+  std::vector<GpuVertex> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+void append(const SurfaceItem& item, const ShadingMesh& shading, std::uint16_t number,
+            const mesh::Vector3& origin, Gathered& out) {
+  const mesh::SurfaceMesh& m = *item.mesh;
+  const auto tag = static_cast<std::uint16_t>(number | (item.clipped ? 0u : kNotClipped));
+  const auto vertexOf = [&](std::int32_t n, const Rgba& colour) {
+    GpuVertex v;
+    const std::int32_t source = shading.vertex[static_cast<std::size_t>(n)];
+    for (Eigen::Index c = 0; c < 3; ++c)
+      v.position[c] = static_cast<float>(m.V(source, c) - origin(c));
+    storeNormal(shading.normals, n, v.normal);
+    v.item = tag;
+    store(colour, v.colour);
+    return v;
+  };
+
+  const auto base = static_cast<std::uint32_t>(out.vertices.size());
+  if (!item.faceColours) {
+    out.vertices.resize(base + shading.vertex.size());
+    parallelFor(static_cast<std::int64_t>(shading.vertex.size()), [&](std::int64_t n) {
+      out.vertices[base + static_cast<std::size_t>(n)] =
+          vertexOf(static_cast<std::int32_t>(n), {1.0f, 1.0f, 1.0f, 1.0f});
+    });
+    for (Eigen::Index i = 0; i < shading.F.size(); ++i)
+      out.indices.push_back(base + static_cast<std::uint32_t>(shading.F.data()[i]));
+    return;
+  }
+  // Colours jump from face to face: every face has corners of its own
+  EC_REQUIRE_EQ(static_cast<Eigen::Index>(item.faceColours->size()), m.F.rows());
+  for (Eigen::Index f = 0; f < m.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      out.indices.push_back(static_cast<std::uint32_t>(out.vertices.size()));
+      out.vertices.push_back(
+          vertexOf(shading.F(f, k), (*item.faceColours)[static_cast<std::size_t>(f)]));
+    }
+}
+
+void upload(const Gathered& gathered, TriangleBatch& batch) {
+  batch.array = gl::VertexArray::make();
+  batch.vertices = gl::Buffer::make();
+  batch.indices = gl::Buffer::make();
+  batch.indexCount = static_cast<GLsizei>(gathered.indices.size());
+  glBindVertexArray(batch.array.id());
+  fill(batch.vertices, GL_ARRAY_BUFFER, gathered.vertices.data(),
+       gathered.vertices.size() * sizeof(GpuVertex));
+  fill(batch.indices, GL_ELEMENT_ARRAY_BUFFER, gathered.indices.data(),
+       gathered.indices.size() * sizeof(std::uint32_t));
+  constexpr std::size_t stride = sizeof(GpuVertex);
+  attribute(0, 3, GL_FLOAT, false, stride, offsetof(GpuVertex, position), 0);
+  attribute(1, 3, GL_SHORT, true, stride, offsetof(GpuVertex, normal), 0);
+  glEnableVertexAttribArray(2);
+  glVertexAttribIPointer(2, 1, GL_UNSIGNED_SHORT, stride,
+                         reinterpret_cast<const void*>(offsetof(GpuVertex, item)));
+  attribute(3, 4, GL_UNSIGNED_SHORT, true, stride, offsetof(GpuVertex, colour), 0);
+  glBindVertexArray(0);
+}
+
+void storePosition(const mesh::Vector3& p, const mesh::Vector3& origin, float* out) {
+  for (Eigen::Index c = 0; c < 3; ++c) out[c] = static_cast<float>(p(c) - origin(c));
+}
+
+// The part of a segment on the kept side of the clip plane; false where nothing is left.
+bool clipSegment(const ClipPlane& clip, mesh::Vector3& a, mesh::Vector3& b) {
+  const double da = clip.normal.dot(a - clip.point);
+  const double db = clip.normal.dot(b - clip.point);
+  if (da < 0.0 && db < 0.0) return false;
+  if (da < 0.0) a += (b - a) * (da / (da - db));
+  if (db < 0.0) b += (a - b) * (db / (db - da));
+  return true;
+}
+
+}  // namespace
+
+const ShadingMesh& GpuScene::prepare(const SurfaceItem& item) {
+  Prepared& p = prepared_[item.mesh.get()];
+  const bool fresh = p.mesh == item.mesh && p.normals == item.normals &&
+                     p.revision == item.revision && p.creaseDeg == item.creaseDeg &&
+                     p.smoothing == item.normalSmoothing;
+  p.used = true;
+  if (fresh) return p.shading;
+
+  p.mesh = item.mesh;
+  p.normals = item.normals;
+  p.revision = item.revision;
+  p.creaseDeg = item.creaseDeg;
+  p.smoothing = item.normalSmoothing;
+  if (!item.normals) {
+    p.shading =
+        shadingMesh(*item.mesh, {.creaseDeg = item.creaseDeg, .smoothing = item.normalSmoothing});
+    return p.shading;
+  }
+  EC_REQUIRE_EQ(item.normals->rows(), item.mesh->V.rows());
+  p.shading.vertex.resize(static_cast<std::size_t>(item.mesh->V.rows()));
+  for (std::size_t v = 0; v < p.shading.vertex.size(); ++v)
+    p.shading.vertex[v] = static_cast<std::int32_t>(v);
+  p.shading.normals = *item.normals;
+  p.shading.F = item.mesh->F;
+  return p.shading;
+}
+
+Result<void> GpuScene::upload(const Scene& scene) {
+  if (scene.surfaces.size() >= kNotClipped)
+    return fail(ErrorCode::NoGraphics,
+                "more than 32,767 surfaces in one picture; join those that share a colour");
+  box_ = mesh::Box{};
+  for (const SurfaceItem& item : scene.surfaces) {
+    EC_REQUIRE(item.mesh != nullptr);
+    box_.add(mesh::boundingBox(*item.mesh));
+  }
+  for (const LineItem& item : scene.lines)
+    if (item.lines)
+      for (const auto& line : *item.lines)
+        for (const mesh::Vector3& p : line) box_.add(p);
+  for (const PointItem& item : scene.points)
+    if (item.points)
+      for (const mesh::Vector3& p : *item.points) box_.add(p);
+  origin_ = box_.empty() ? mesh::Vector3::Zero() : box_.centre();
+
+  uploadSurfaces(scene);
+  uploadLines(scene);
+  uploadPoints(scene);
+  return {};
+}
+
+void GpuScene::uploadSurfaces(const Scene& scene) {
+  for (auto& [address, p] : prepared_) p.used = false;
+  Gathered opaque;
+  Gathered veils;
+  std::vector<float> materials;
+  std::vector<std::size_t> order;  // casters first, so that shadows draw a prefix
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) order.push_back(i);
+  std::stable_partition(order.begin(), order.end(),
+                        [&](std::size_t i) { return scene.surfaces[i].castsShadow; });
+
+  std::size_t casterEnd = 0;
+  for (const std::size_t i : order) {
+    const SurfaceItem& item = scene.surfaces[i];
+    const bool veil = isTransparent(item);
+    append(item, prepare(item), static_cast<std::uint16_t>(i), origin_, veil ? veils : opaque);
+    if (item.castsShadow) casterEnd = opaque.indices.size();
+  }
+  for (const SurfaceItem& item : scene.surfaces) {
+    const Rgba colour = item.faceColours ? Rgba{1.0f, 1.0f, 1.0f, 1.0f} : item.colour;
+    materials.insert(materials.end(), colour.begin(), colour.end());
+    materials.insert(materials.end(),
+                     {std::clamp(item.roughness, 0.05f, 1.0f), item.edgeOpacity.value_or(-1.0f),
+                      item.cullBack ? 1.0f : 0.0f, 0.0f});
+  }
+  std::erase_if(prepared_, [](const auto& entry) { return !entry.second.used; });
+
+  render::upload(opaque, opaque_);
+  render::upload(veils, veils_);
+  opaque_.casterCount = static_cast<GLsizei>(casterEnd);
+  corners_.resize(opaque.indices.size());
+  for (std::size_t i = 0; i < corners_.size(); ++i)
+    corners_[i] = Eigen::Vector3f::Map(opaque.vertices[opaque.indices[i]].position);
+
+  if (materials.empty()) materials.resize(8);
+  materialData_ = gl::Buffer::make();
+  fill(materialData_, GL_TEXTURE_BUFFER, materials.data(), materials.size() * sizeof(float));
+  materials_ = gl::Texture::make();
+  glBindTexture(GL_TEXTURE_BUFFER, materials_.id());
+  glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, materialData_.id());
+}
+
+void GpuScene::uploadLines(const Scene& scene) {
+  for (const bool onTop : {false, true}) {
+    std::vector<TubeInstance> instances;
+    for (const LineItem& item : scene.lines) {
+      if (item.onTop != onTop || !item.lines) continue;
+      if (item.lineColours) EC_REQUIRE_EQ(item.lineColours->size(), item.lines->size());
+      for (std::size_t i = 0; i < item.lines->size(); ++i) {
+        const auto& line = (*item.lines)[i];
+        const Rgba& colour = item.lineColours ? (*item.lineColours)[i] : item.colour;
+        for (std::size_t k = 1; k < line.size(); ++k) {
+          mesh::Vector3 a = line[k - 1];
+          mesh::Vector3 b = line[k];
+          if (item.clipped && scene.clip && !clipSegment(*scene.clip, a, b)) continue;
+          TubeInstance t;
+          storePosition(a, origin_, t.from);
+          storePosition(b, origin_, t.to);
+          std::copy(colour.begin(), colour.end(), t.colour);
+          t.radius[0] = 0.5f * item.widthPixels;
+          t.radius[1] = static_cast<float>(0.5 * item.widthMetres);
+          instances.push_back(t);
+        }
+      }
+    }
+    InstanceBatch& batch = tubes_[onTop ? 1 : 0];
+    batch.array = gl::VertexArray::make();
+    batch.instances = gl::Buffer::make();
+    batch.count = static_cast<GLsizei>(instances.size());
+    glBindVertexArray(batch.array.id());
+    fill(batch.instances, GL_ARRAY_BUFFER, instances.data(),
+         instances.size() * sizeof(TubeInstance));
+    constexpr std::size_t stride = sizeof(TubeInstance);
+    attribute(0, 3, GL_FLOAT, false, stride, offsetof(TubeInstance, from), 1);
+    attribute(1, 3, GL_FLOAT, false, stride, offsetof(TubeInstance, to), 1);
+    attribute(2, 4, GL_FLOAT, false, stride, offsetof(TubeInstance, colour), 1);
+    attribute(3, 2, GL_FLOAT, false, stride, offsetof(TubeInstance, radius), 1);
+    glBindVertexArray(0);
+  }
+}
+
+void GpuScene::uploadPoints(const Scene& scene) {
+  for (const bool onTop : {false, true}) {
+    std::vector<BallInstance> instances;
+    for (const PointItem& item : scene.points) {
+      if (item.onTop != onTop || !item.points) continue;
+      for (const mesh::Vector3& p : *item.points) {
+        BallInstance b;
+        storePosition(p, origin_, b.centre);
+        std::copy(item.colour.begin(), item.colour.end(), b.colour);
+        b.radius = item.radiusPixels;
+        instances.push_back(b);
+      }
+    }
+    InstanceBatch& batch = balls_[onTop ? 1 : 0];
+    batch.array = gl::VertexArray::make();
+    batch.instances = gl::Buffer::make();
+    batch.count = static_cast<GLsizei>(instances.size());
+    glBindVertexArray(batch.array.id());
+    fill(batch.instances, GL_ARRAY_BUFFER, instances.data(),
+         instances.size() * sizeof(BallInstance));
+    constexpr std::size_t stride = sizeof(BallInstance);
+    attribute(0, 3, GL_FLOAT, false, stride, offsetof(BallInstance, centre), 1);
+    attribute(1, 4, GL_FLOAT, false, stride, offsetof(BallInstance, colour), 1);
+    attribute(2, 1, GL_FLOAT, false, stride, offsetof(BallInstance, radius), 1);
+    glBindVertexArray(0);
+  }
+}
+
+}  // namespace ecorche::render

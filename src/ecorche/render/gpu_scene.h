@@ -1,0 +1,82 @@
+#pragma once
+
+// Private to render's sources.
+
+#include <ecorche/render/gl_objects.h>
+#include <ecorche/render/scene.h>
+#include <ecorche/render/shading_mesh.h>
+
+#include <map>
+#include <vector>
+
+namespace ecorche::render {
+
+/// Triangles of many items in one buffer, drawn by one call.
+struct TriangleBatch {
+  gl::VertexArray array;
+  gl::Buffer vertices;
+  gl::Buffer indices;
+  GLsizei indexCount = 0;
+  GLsizei casterCount = 0;  ///< the first indices belong to items that cast shadows
+};
+
+/// Instances of segments or balls; those on top are drawn last, over everything.
+struct InstanceBatch {
+  gl::VertexArray array;
+  gl::Buffer instances;
+  GLsizei count = 0;
+};
+
+/// A scene on the graphics card. Positions are relative to `origin`, so that 32 bits do for a model
+/// that lies far from zero. Only what changed is prepared again: meshes by their address and
+/// revision.
+class GpuScene {
+ public:
+  /// @errors NoGraphics if the scene has more items than a batch can number (32,767)
+  [[nodiscard]] Result<void> upload(const Scene& scene);
+
+  [[nodiscard]] const mesh::Vector3& origin() const { return origin_; }
+  [[nodiscard]] const mesh::Box& box() const {
+    return box_;
+  }  ///< of surfaces, lines and points, world
+  [[nodiscard]] const TriangleBatch& opaque() const { return opaque_; }
+  [[nodiscard]] const TriangleBatch& veils() const { return veils_; }
+  [[nodiscard]] const InstanceBatch& tubes(bool onTop) const { return tubes_[onTop ? 1 : 0]; }
+  [[nodiscard]] const InstanceBatch& balls(bool onTop) const { return balls_[onTop ? 1 : 0]; }
+  /// Colour; roughness, edge opacity (-1: none), outward only: two texels per item.
+  [[nodiscard]] const gl::Texture& materials() const { return materials_; }
+
+  /// Corners of opaque triangles, three after another, relative to origin: for fitting lights to
+  /// what is seen.
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& casterCorners() const { return corners_; }
+
+ private:
+  struct Prepared {
+    std::shared_ptr<const mesh::SurfaceMesh>
+        mesh;  // keeps the address from being given to another mesh
+    std::shared_ptr<const mesh::Directions> normals;
+    std::uint64_t revision = 0;
+    double creaseDeg = 0.0;
+    int smoothing = 0;
+    ShadingMesh shading;
+    bool used = false;
+  };
+
+  mesh::Vector3 origin_ = mesh::Vector3::Zero();
+  mesh::Box box_;
+  TriangleBatch opaque_;
+  TriangleBatch veils_;
+  InstanceBatch tubes_[2];
+  InstanceBatch balls_[2];
+  gl::Buffer materialData_;
+  gl::Texture materials_;
+  std::vector<Eigen::Vector3f> corners_;
+  std::map<const mesh::SurfaceMesh*, Prepared> prepared_;
+
+  const ShadingMesh& prepare(const SurfaceItem& item);
+  void uploadSurfaces(const Scene& scene);
+  void uploadLines(const Scene& scene);
+  void uploadPoints(const Scene& scene);
+};
+
+}  // namespace ecorche::render

@@ -1,0 +1,551 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/render/gpu_scene.h>
+#include <ecorche/render/light_rig.h>
+#include <ecorche/render/offscreen.h>
+#include <ecorche/render/renderer.h>
+#include <ecorche/render/shaders.h>
+#include <ecorche/render/shadow_fit.h>
+#include <ecorche/render/views.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace ecorche::render {
+namespace {
+
+using mesh::Vector3;
+
+constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a pixel
+
+struct Programs {
+  gl::Program mesh, shadow, tube, tubeOnTop, ball, ballOnTop, shade, veil, copy, resolve;
+
+  static Result<Programs> build() {
+    Programs p;
+    const auto make = [](gl::Program& into, const char* name, const std::string& vertex,
+                         const std::string& fragment) -> Result<void> {
+      auto program = gl::Program::build(name, vertex, fragment);
+      if (!program) return passOn(program);
+      into = std::move(*program);
+      return {};
+    };
+    Result<void> ok;
+    if (ok) ok = make(p.mesh, "mesh", glsl::meshVertex(), glsl::meshFragment());
+    if (ok) ok = make(p.shadow, "shadow", glsl::shadowVertex(), glsl::shadowFragment());
+    if (ok) ok = make(p.tube, "tube", glsl::tubeVertex(), glsl::tubeFragment(false));
+    if (ok) ok = make(p.tubeOnTop, "tube on top", glsl::tubeVertex(), glsl::tubeFragment(true));
+    if (ok) ok = make(p.ball, "ball", glsl::ballVertex(), glsl::ballFragment(false));
+    if (ok) ok = make(p.ballOnTop, "ball on top", glsl::ballVertex(), glsl::ballFragment(true));
+    if (ok) ok = make(p.shade, "shade", glsl::screenVertex(), glsl::shadeFragment());
+    if (ok) ok = make(p.veil, "veil", glsl::meshVertex(), glsl::veilFragment());
+    if (ok) ok = make(p.copy, "copy", glsl::screenVertex(), glsl::copyFragment());
+    if (ok) ok = make(p.resolve, "resolve", glsl::screenVertex(), glsl::resolveFragment());
+    if (!ok) return passOn(ok);
+    return p;
+  }
+};
+
+// Textures of the picture's size, and the framebuffers that draw into them.
+struct Targets {
+  int width = 0;
+  int height = 0;
+  gl::Texture colour, normal, depth;  // what is seen
+  gl::Texture light;                  // lit, with veils
+  gl::Texture veilLight, veilDepth[2], veilSum;
+  gl::Texture sum;  // over passes
+  gl::Framebuffer seen, lit, layer[2], veils, total;
+
+  static Result<Targets> make(int width, int height) {
+    Targets t;
+    t.width = width;
+    t.height = height;
+    const auto half = [&] { return gl::makeTexture2D(GL_RGBA16F, width, height); };
+    const auto deep = [&] { return gl::makeTexture2D(GL_DEPTH_COMPONENT32F, width, height); };
+    t.colour = half();
+    t.normal = half();
+    t.depth = deep();
+    t.light = half();
+    t.veilLight = half();
+    t.veilDepth[0] = deep();
+    t.veilDepth[1] = deep();
+    t.veilSum = half();
+    t.sum = gl::makeTexture2D(GL_RGBA32F, width, height);
+    const auto frame = [](gl::Framebuffer& into, const std::vector<const gl::Texture*>& colours,
+                          const gl::Texture* depth) -> Result<void> {
+      auto made = gl::makeFramebuffer(colours, depth);
+      if (!made) return passOn(made);
+      into = std::move(*made);
+      return {};
+    };
+    Result<void> ok;
+    if (ok) ok = frame(t.seen, {&t.colour, &t.normal}, &t.depth);
+    if (ok) ok = frame(t.lit, {&t.light}, nullptr);
+    if (ok) ok = frame(t.layer[0], {&t.veilLight}, &t.veilDepth[0]);
+    if (ok) ok = frame(t.layer[1], {&t.veilLight}, &t.veilDepth[1]);
+    if (ok) ok = frame(t.veils, {&t.veilSum}, nullptr);
+    if (ok) ok = frame(t.total, {&t.sum}, nullptr);
+    if (!ok) return passOn(ok);
+    return t;
+  }
+};
+
+// The i-th place inside the pixel, spread like a tent one pixel to either side: a soft but not
+// blurred filter.
+Eigen::Vector2d jitterOf(int i, int count) {
+  if (count == 1) return {0.0, 0.0};
+  const auto tent = [](double u) {
+    return u < 0.5 ? std::sqrt(2.0 * u) - 1.0 : 1.0 - std::sqrt(2.0 - 2.0 * u);
+  };
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  return {0.85 * tent((i + 0.5) / count), 0.85 * tent(fraction(0.5 + 0.6180339887498949 * i))};
+}
+
+std::vector<float> floats(const Vector3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Programs programs;
+  Targets targets;
+  GpuScene scene;
+  gl::VertexArray noVertices = gl::VertexArray::make();
+  gl::Framebuffer shadowFrame = gl::Framebuffer::make();
+  gl::Texture shadows;
+  gl::Query drawn = gl::Query::make();
+  int shadowSize = 0;
+  int shadowLayers = 0;
+
+  Camera camera;
+  EyeAxes eye;
+  PictureOptions options;
+  LightRigOptions rig;
+  std::optional<ClipPlane> clip;
+  Rgba background{};
+  ShadowFocus focus;
+  double lowest = 0.0;  // along options.ground
+  int passesDone = 0;
+
+  // Set anew for every pass
+  Eigen::Matrix4f worldToClip, clipToWorld;
+  std::vector<LightSample> lights;
+  std::vector<ShadowMap> maps;
+
+  Result<void> begin(const Scene& newScene, const Camera& newCamera, const PictureOptions& o);
+  void pass();
+  void drawShadows();
+  void drawSeen();
+  void shade();
+  void drawVeils();
+  void drawOnTop();
+  void addUp();
+  void resolve(int x, int y);
+
+  void setEye(const gl::Program& p) const;
+  void setLights(const gl::Program& p) const;
+  void setClip(const gl::Program& p) const;
+  void drawScreen() const;
+  void drawTubes(const gl::Program& p, bool onTop) const;
+  void drawBalls(const gl::Program& p, bool onTop) const;
+};
+
+Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamera,
+                                   const PictureOptions& o) {
+  EC_REQUIRE(o.width > 0 && o.height > 0 && o.samples > 0 && o.shadowMapSize >= 16);
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (std::max({o.width, o.height, o.shadowMapSize}) > largest)
+    return fail(ErrorCode::NoGraphics, "the graphics driver draws pictures of at most " +
+                                           std::to_string(largest) +
+                                           " pixels a side; ask for a smaller one");
+  options = o;
+  camera = newCamera;
+  eye = eyeAxes(camera);
+  clip = newScene.clip;
+  background = newScene.background;
+  passesDone = 0;
+  if (auto ok = scene.upload(newScene); !ok) return ok;
+  if (targets.width != o.width || targets.height != o.height) {
+    auto made = Targets::make(o.width, o.height);
+    if (!made) return passOn(made);
+    targets = std::move(*made);
+  }
+
+  // Shadows cost a drawing of everything per direction: large scenes get fewer of them
+  const GLsizei triangles = scene.opaque().casterCount / 3;
+  const int lightCount = std::clamp(o.lightsPerPass.value_or(triangles > 1'500'000 ? 6
+                                                             : triangles > 500'000 ? 8
+                                                                                   : 10),
+                                    4, glsl::kMaxLights);
+  rig = {.passes = o.samples,
+         .keyPerPass = lightCount >= 8 ? 2 : 1,
+         .rimPerPass = 1,
+         .skyPerPass = lightCount - (lightCount >= 8 ? 3 : 2),
+         .exposure = o.exposure};
+  if (shadowSize != o.shadowMapSize || shadowLayers != lightCount) {
+    shadows = gl::makeShadowMaps(o.shadowMapSize, lightCount);
+    shadowSize = o.shadowMapSize;
+    shadowLayers = lightCount;
+  }
+
+  const Eigen::Matrix4d unjittered =
+      viewProjection(camera, o.width, o.height, scene.box(), scene.origin());
+  focus = shadowFocus(scene.casterCorners(), unjittered.cast<float>());
+  if (o.ground) {
+    lowest = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3f& p : scene.casterCorners())
+      lowest = std::min(lowest, o.ground->normalized().dot(p.cast<double>()));
+  }
+
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.total.id());
+  glViewport(0, 0, o.width, o.height);
+  glDisable(GL_SCISSOR_TEST);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  return {};
+}
+
+void Renderer::Impl::setEye(const gl::Program& p) const {
+  const bool parallel = camera.fovDeg <= 0.0;
+  p.setMatrix("uViewProjection", worldToClip.data());
+  p.setMatrix("uInverse", clipToWorld.data());
+  p.set("uEye", floats(camera.eye - scene.origin()), 3);
+  p.set("uForward", floats(-eye.back), 3);
+  p.set("uRightAxis", floats(eye.right), 3);
+  p.set("uUpAxis", floats(eye.up), 3);
+  p.set("uParallel", parallel ? 1.0f : 0.0f);
+  p.set("uPixel", static_cast<float>(pixelSize(camera, options.height)));
+  p.set("uSize", {static_cast<float>(options.width), static_cast<float>(options.height)}, 2);
+}
+
+void Renderer::Impl::setLights(const gl::Program& p) const {
+  std::vector<float> directions;
+  std::vector<float> irradiances;
+  int lamps = 0;
+  for (const LightSample& light : lights) {
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      directions.push_back(static_cast<float>(light.direction(c)));
+      irradiances.push_back(light.irradiance(c));
+    }
+    lamps += light.key ? 1 : 0;
+  }
+  p.set("uLights", static_cast<int>(lights.size()));
+  p.set("uLamps", lamps);
+  p.set("uLightDirection", directions, 3);
+  p.set("uLightIrradiance", irradiances, 3);
+}
+
+void Renderer::Impl::setClip(const gl::Program& p) const {
+  if (!clip) {
+    glDisable(GL_CLIP_DISTANCE0);
+    p.set("uClip", {0.0f, 0.0f, 0.0f, 1.0f}, 4);
+    return;
+  }
+  glEnable(GL_CLIP_DISTANCE0);
+  const Vector3 n = clip->normal.normalized();
+  std::vector<float> plane = floats(n);
+  plane.push_back(static_cast<float>(n.dot(scene.origin() - clip->point)));
+  p.set("uClip", plane, 4);
+}
+
+void Renderer::Impl::drawScreen() const {
+  glBindVertexArray(noVertices.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::Impl::drawTubes(const gl::Program& p, bool onTop) const {
+  const InstanceBatch& batch = scene.tubes(onTop);
+  if (batch.count == 0) return;
+  p.use();
+  setEye(p);
+  glBindVertexArray(batch.array.id());
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, batch.count);
+}
+
+void Renderer::Impl::drawBalls(const gl::Program& p, bool onTop) const {
+  const InstanceBatch& batch = scene.balls(onTop);
+  if (batch.count == 0) return;
+  p.use();
+  setEye(p);
+  glBindVertexArray(batch.array.id());
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, batch.count);
+}
+
+void Renderer::Impl::pass() {
+  const Eigen::Matrix4d m = viewProjection(camera, options.width, options.height, scene.box(),
+                                           scene.origin(), jitterOf(passesDone, options.samples));
+  worldToClip = m.cast<float>();
+  clipToWorld = m.inverse().cast<float>();
+  lights = lightsOfPass(camera, rig, passesDone);
+  maps.clear();
+  for (const LightSample& light : lights)
+    maps.push_back(shadowMap(focus, light.direction, shadowSize));
+
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_STENCIL_TEST);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_MULTISAMPLE);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  drawShadows();
+  glViewport(0, 0, options.width, options.height);
+  drawSeen();
+  shade();
+  drawVeils();
+  drawOnTop();
+  addUp();
+  ++passesDone;
+}
+
+void Renderer::Impl::drawShadows() {
+  glBindFramebuffer(GL_FRAMEBUFFER, shadowFrame.id());
+  glDrawBuffer(GL_NONE);
+  glReadBuffer(GL_NONE);
+  glViewport(0, 0, shadowSize, shadowSize);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_DEPTH_CLAMP);  // what stands between lamp and picture but outside the fitted box
+                             // shades all the same
+  // The side towards the lamp shades as well as both do, and is half the work; what was cut open
+  // has only one side left
+  if (!clip) glEnable(GL_CULL_FACE);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  programs.shadow.use();
+  setClip(programs.shadow);
+  glBindVertexArray(scene.opaque().array.id());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows.id(), 0,
+                              static_cast<GLint>(i));
+    glClear(GL_DEPTH_BUFFER_BIT);
+    programs.shadow.setMatrix("uViewProjection", maps[i].worldToClip.data());
+    glDrawElements(GL_TRIANGLES, scene.opaque().casterCount, GL_UNSIGNED_INT, nullptr);
+  }
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::Impl::drawSeen() {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.seen.id());
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_TEST);
+  const gl::Program& p = programs.mesh;
+  p.use();
+  setEye(p);
+  setClip(p);
+  p.setTexture("uMaterials", 0, GL_TEXTURE_BUFFER, scene.materials());
+  glBindVertexArray(scene.opaque().array.id());
+  glDrawElements(GL_TRIANGLES, scene.opaque().indexCount, GL_UNSIGNED_INT, nullptr);
+  glDisable(GL_CLIP_DISTANCE0);
+  drawTubes(programs.tube, false);
+  drawBalls(programs.ball, false);
+}
+
+void Renderer::Impl::shade() {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
+  glDisable(GL_DEPTH_TEST);
+  const gl::Program& p = programs.shade;
+  p.use();
+  setEye(p);
+  setLights(p);
+  std::vector<float> matrices;
+  for (const ShadowMap& map : maps)
+    matrices.insert(matrices.end(), map.worldToTexture.data(), map.worldToTexture.data() + 16);
+  p.setMatrix("uShadowMatrix", matrices.data(), static_cast<int>(maps.size()));
+  const float texel = static_cast<float>(focus.diameter()) / static_cast<float>(shadowSize);
+  p.set("uTexel", {texel, texel / static_cast<float>(focus.depth())}, 2);
+  p.set("uBounce", 0.45f);
+  p.set("uOutline", options.outline);
+  p.set("uSkyAbove", {0.85f, 0.87f, 0.90f}, 3);
+  p.set("uSkyBelow", {0.20f, 0.18f, 0.17f}, 3);
+  const bool ground = options.ground && std::isfinite(lowest);
+  std::vector<float> plane = floats(ground ? options.ground->normalized() : Vector3::UnitZ());
+  plane.push_back(static_cast<float>(ground ? -lowest : 0.0));
+  p.set("uGround", plane, 4);
+  p.set("uGroundShade", ground ? 0.75f : 0.0f);
+  p.setTexture("uColourMap", 0, GL_TEXTURE_2D, targets.colour);
+  p.setTexture("uNormalMap", 1, GL_TEXTURE_2D, targets.normal);
+  p.setTexture("uDepthMap", 2, GL_TEXTURE_2D, targets.depth);
+  p.setTexture("uShadows", 3, GL_TEXTURE_2D_ARRAY, shadows);
+  drawScreen();
+}
+
+// Depth peeling, front to back [Everitt 2001]: each layer is what lies just behind the last one.
+void Renderer::Impl::drawVeils() {
+  if (scene.veils().indexCount == 0) return;
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  // Before the first layer nothing is peeled: the "last" depth is 0
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.layer[1].id());
+  glClearDepth(0.0);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glClearDepth(1.0);
+
+  for (int layer = 0; layer < kMaxVeils; ++layer) {
+    const int now = layer % 2;
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.layer[now].id());
+    glEnable(GL_DEPTH_TEST);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    const gl::Program& p = programs.veil;
+    p.use();
+    setEye(p);
+    setLights(p);
+    setClip(p);
+    p.set("uSkyAbove", {0.44f, 0.44f, 0.45f}, 3);
+    p.set("uSkyBelow", {0.24f, 0.22f, 0.21f}, 3);
+    p.setTexture("uMaterials", 0, GL_TEXTURE_BUFFER, scene.materials());
+    p.setTexture("uDepthMap", 1, GL_TEXTURE_2D, targets.depth);
+    p.setTexture("uLastLayer", 2, GL_TEXTURE_2D, targets.veilDepth[1 - now]);
+    glBindVertexArray(scene.veils().array.id());
+    glBeginQuery(GL_SAMPLES_PASSED, drawn.id());
+    glDrawElements(GL_TRIANGLES, scene.veils().indexCount, GL_UNSIGNED_INT, nullptr);
+    glEndQuery(GL_SAMPLES_PASSED);
+    GLuint count = 0;
+    glGetQueryObjectuiv(drawn.id(), GL_QUERY_RESULT, &count);
+    if (count == 0) break;
+
+    // Under what was peeled before
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CLIP_DISTANCE0);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);
+    programs.copy.use();
+    programs.copy.set("uWeight", 1.0f);
+    programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, targets.veilLight);
+    drawScreen();
+    glDisable(GL_BLEND);
+  }
+  glDisable(GL_CLIP_DISTANCE0);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  programs.copy.use();
+  programs.copy.set("uWeight", 1.0f);
+  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, targets.veilSum);
+  drawScreen();
+  glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::drawOnTop() {
+  if (scene.tubes(true).count == 0 && scene.balls(true).count == 0) return;
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  drawTubes(programs.tubeOnTop, true);
+  drawBalls(programs.ballOnTop, true);
+  glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::addUp() {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.total.id());
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  programs.copy.use();
+  programs.copy.set("uWeight", 1.0f);
+  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, targets.light);
+  drawScreen();
+  glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::resolve(int x, int y) {
+  glViewport(x, y, options.width, options.height);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  const gl::Program& p = programs.resolve;
+  p.use();
+  p.set("uWeight", 1.0f / static_cast<float>(std::max(1, passesDone)));
+  const std::vector<float> middle(background.begin(), background.end());
+  std::vector<float> corner = middle;
+  if (options.gradient)
+    for (std::size_t c = 0; c < 3; ++c) corner[c] *= 0.62f;
+  p.set("uBackground", middle, 4);
+  p.set("uBackgroundEdge", corner, 4);
+  glUniform2i(p.location("uOffset"), x, y);
+  p.setTexture("uSum", 0, GL_TEXTURE_2D, targets.sum);
+  drawScreen();
+  glUseProgram(0);
+  glBindVertexArray(0);
+  glActiveTexture(GL_TEXTURE0);
+}
+
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Result<Renderer> Renderer::create() {
+  if (epoxy_gl_version() < 33 || !epoxy_is_desktop_gl())
+    return fail(ErrorCode::NoGraphics,
+                "pictures need OpenGL 3.3 and the driver has less; Mesa's software renderer has it "
+                "(LIBGL_ALWAYS_SOFTWARE=1)");
+  auto programs = Programs::build();
+  if (!programs) return passOn(programs);
+  auto impl = std::make_unique<Impl>();
+  impl->programs = std::move(*programs);
+  return Renderer(std::move(impl));
+}
+
+Result<void> Renderer::begin(const Scene& scene, const Camera& camera,
+                             const PictureOptions& options) {
+  return impl_->begin(scene, camera, options);
+}
+
+bool Renderer::pass() {
+  if (impl_->passesDone >= impl_->options.samples) return false;
+  impl_->pass();
+  return true;
+}
+
+void Renderer::resolve(int x, int y) { impl_->resolve(x, y); }
+
+Image Renderer::read() {
+  const int width = impl_->options.width;
+  const int height = impl_->options.height;
+  gl::Texture target = gl::Texture::make();
+  glBindTexture(GL_TEXTURE_2D, target.id());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  gl::Framebuffer frame = gl::Framebuffer::make();
+  glBindFramebuffer(GL_FRAMEBUFFER, frame.id());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target.id(), 0);
+  impl_->resolve(0, 0);
+
+  Image bottomUp(width, height);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottomUp.pixels.data());
+  Image image(width, height);
+  for (int y = 0; y < height; ++y)
+    std::copy_n(&bottomUp.at(0, height - 1 - y), width, &image.at(0, y));
+  return image;
+}
+
+Result<Image> renderPicture(const Scene& scene, const Camera& camera, const PictureOptions& options,
+                            RunContext& run) {
+  const Stage stage(run, "picture");
+  auto context = OffscreenContext::create();
+  if (!context) return passOn(context);
+  auto renderer = Renderer::create();
+  if (!renderer) return passOn(renderer);
+  if (auto ok = renderer->begin(scene, camera, options); !ok) return passOn(ok);
+  for (int done = 0; renderer->pass(); ++done) {
+    glFinish();
+    if (run.cancelled()) return fail(ErrorCode::Cancelled, "picture");
+    run.progress("picture", (done + 1.0) / options.samples);
+  }
+  return renderer->read();
+}
+
+}  // namespace ecorche::render
