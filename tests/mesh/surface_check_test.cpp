@@ -75,10 +75,11 @@ TEST_CASE("a hole is found with its place and its extent") {
   CHECK(isOriented(m.F));
 
   // The larger hole comes first; borders that touch in a vertex are one
-  const SurfaceCheck two = checkAll(withoutFaces(test::box({0, 0, 0}, {1, 1, 1}), {0, 2, 3}));
+  const SurfaceMesh larger = withoutFaces(test::box({0, 0, 0}, {2, 2, 1}), {2});
+  const SurfaceCheck two = checkAll(joined({m, larger}, "two"));
   REQUIRE(two.holes.size() == 2);
-  CHECK(two.holes[0].edges == 4);
-  CHECK(two.holes[1].edges == 3);
+  CHECK(two.holes[0].edges == 3);
+  CHECK(two.holes[1].edges == 4);
   CHECK(checkAll(withoutFaces(test::box({0, 0, 0}, {1, 1, 1}), {2, 6})).holes.size() == 1);
 }
 
