@@ -1,4 +1,5 @@
 #include <ecorche/fiber/fiber_trace.h>
+#include <ecorche/mesh/operators.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -91,17 +92,7 @@ class Walker {
   enum class Exit { None, Side, End };
 
   [[nodiscard]] Eigen::Vector4d weights(std::int32_t t, const Vector3& x) const {
-    Eigen::Matrix3d E;
-    const Vector3 o = m_.mesh.V.row(m_.mesh.T(t, 0)).transpose();
-    for (int k = 0; k < 3; ++k) E.col(k) = m_.mesh.V.row(m_.mesh.T(t, k + 1)).transpose() - o;
-    const Vector3 r = x - o;
-    const double det = E.determinant();
-    Eigen::Vector4d w;
-    w[1] = r.dot(E.col(1).cross(E.col(2))) / det;
-    w[2] = r.dot(E.col(2).cross(E.col(0))) / det;
-    w[3] = r.dot(E.col(0).cross(E.col(1))) / det;
-    w[0] = 1.0 - w[1] - w[2] - w[3];
-    return w;
+    return mesh::barycentric(m_.mesh, t, x);
   }
   [[nodiscard]] double interpolate(const Eigen::Vector4d& w) const {
     double sum = 0.0;

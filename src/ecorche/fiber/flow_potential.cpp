@@ -1,5 +1,6 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/fiber/flow_potential.h>
+#include <ecorche/mesh/operators.h>
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -20,21 +21,6 @@ struct Problem {
   std::vector<Eigen::Matrix3d> tensor;  // mean over that volume
   std::vector<Role> held;               // per node
 };
-
-using Gradient = Eigen::Matrix<double, 3, 4>;  // G of one tet: ∇u = G u(corners) [1/m]
-
-Gradient gradientOf(const mesh::TetMesh& mesh, Eigen::Index t) {
-  // Each corner's hat function rises from the opposite face: ∇ = −(outward area vector) / (3 V)
-  Gradient G;
-  const double six = 6.0 * mesh::signedVolume(mesh, t);
-  for (int k = 0; k < 4; ++k) {
-    const Vector3 a = mesh.V.row(mesh.T(t, mesh::kTetFace[k][0])).transpose();
-    const Vector3 b = mesh.V.row(mesh.T(t, mesh::kTetFace[k][1])).transpose();
-    const Vector3 c = mesh.V.row(mesh.T(t, mesh::kTetFace[k][2])).transpose();
-    G.col(k) = -(b - a).cross(c - a) / six;
-  }
-  return G;
-}
 
 // I + γ φ (I − t tᵀ): moving potential across the tube is cheap to equalise, so the gradient turns
 // along it.
@@ -93,9 +79,9 @@ Result<Eigen::VectorXd> solve(const Problem& p, const std::string& name) {
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(unknownCount);
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(unknownCount);
   for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t) {
-    const Gradient G = gradientOf(p.mesh, t);
+    const Eigen::Matrix<double, 4, 3> G = mesh::barycentricGradients(p.mesh, t);
     const Eigen::Matrix4d K = p.volume[static_cast<std::size_t>(t)] *
-                              (G.transpose() * p.tensor[static_cast<std::size_t>(t)] * G);
+                              (G * p.tensor[static_cast<std::size_t>(t)] * G.transpose());
     for (int a = 0; a < 4; ++a) {
       const std::int32_t row = unknown[static_cast<std::size_t>(p.mesh.T(t, a))];
       if (row < 0) continue;
@@ -259,7 +245,8 @@ FlowPotential spreadToTets(const Discretised& d, const Eigen::VectorXd& nodeU,
     // Differences to the mean: a gradient knows nothing of the level, and rounding should not
     // either
     corners.array() -= corners.mean();
-    gradient[static_cast<std::size_t>(e)] = gradientOf(d.problem.mesh, e) * corners;
+    gradient[static_cast<std::size_t>(e)] =
+        mesh::barycentricGradients(d.problem.mesh, e).transpose() * corners;
   }
   flow.gradient.setZero(static_cast<Eigen::Index>(d.element.size()), 3);
   for (std::size_t t = 0; t < d.element.size(); ++t) {
