@@ -146,7 +146,8 @@ def hand():
             a, b = ray[i], ray[i + 1]
             last = i == len(ray) - 2
             thick = size * (6.0, 5.2, 4.4, 4.0)[min(i, 3)]
-            bones.append(im.tube([a, a + 0.5 * (b - a), b], [thick * 1.1, thick * 0.82, thick * (0.85 if last else 1.1)]))
+            bones.append(im.tube([a, a + 0.5 * (b - a), b], [thick * 1.1, thick * 0.82, thick * (0.85 if last else 1.1)],
+                                 reach=10.0))
     return im.union([im.union(carpus, 8), *bones], 3.5)
 
 

@@ -1,4 +1,4 @@
-"""Makes the arm: skin.obj, bones.obj and arm.ecorche, and the same arm twice on a trunk for the half-model test.
+"""Makes the arm: skin.obj, bones.obj and arm.ecorche.
 
     python3 make_arm.py            everything
     python3 make_arm.py --curves   only the project files, on the meshes that are there
@@ -63,47 +63,56 @@ def default_values(count):
     return 1.0 - 0.4 * x**4
 
 
-def make_curves(bones, skin, factors):
-    heads = [(muscle, head) for muscle in MUSCLES for head in muscle.heads]
+def place_curves(muscles, bones, skin, limits=()):
+    """Control points, values and anchors of every head, clear of bones, skin and one another."""
+    heads = [(muscle, head) for muscle in muscles for head in muscle.heads]
     surfaces = {name: cv.Surface(mesh.vertices, mesh.faces) for name, mesh in bones.items()}
     points, values, anchors = [], [], []
     for _, head in heads:
-        (start, first), (end, last) = head.start, head.end
-        inner = [np.asarray(p) / 1000 for p in head.course]
-        points.append(np.array([surfaces[start].project(np.asarray(first) / 1000), *inner,
-                                surfaces[end].project(np.asarray(last) / 1000)]))
-        values.append(np.array(head.values) if head.values else default_values(len(points[-1])))
-        anchors.append((start, end))
+        anchors.append((head.start[0], head.end[0]))
+        at = np.array([head.start[1], *head.course, head.end[1]], float) / 1000
+        for k in (0, -1):
+            if anchors[-1][k] in surfaces:
+                at[k] = surfaces[anchors[-1][k]].project(at[k])
+        points.append(at)
+        values.append(np.array(head.values) if head.values else default_values(len(at)))
     around, skin = cv.Bones(surfaces), cv.Surface(skin.vertices, skin.faces)
     cv.spread_ends(points, anchors, surfaces)
+    same = [muscle.name for muscle, _ in heads]
     for _ in range(4):
-        points = cv.relax(points, around, skin, same=[m.name for m, _ in heads])
+        points = cv.relax(points, around, skin, same=same, limits=limits)
         if not any(cv.refine(points, values, around, skin)):
             break
-    points = cv.relax(points, around, skin, same=[m.name for m, _ in heads])
-    for complaint in cv.check(points, [f"{m.name}/{h.name}" for m, h in heads], around, skin):
+    points = cv.relax(points, around, skin, same=same, limits=limits)
+    for complaint in cv.check(points, [f"{m.name}/{h.name}" for m, h in heads], around, skin, limits=limits):
         print("  !", complaint)
+    return heads, points, values, anchors
 
-    tissues = []
-    for muscle in MUSCLES:
-        entry = {"name": muscle.name, "kind": "muscle", "side": "left", "group": muscle.group, "layer": muscle.layer}
-        if muscle.anisotropy:
-            entry["anisotropy"] = dict(zip(("lambda2", "lambda3", "rotation"), muscle.anisotropy))
-        factor = factors.get(muscle.name, muscle.value)
-        entry["curves"] = [
-            pj.curve(head.name, at, factor * value, *[("bone", bone) for bone in ends])
-            for (owner, head), at, value, ends in zip(heads, points, values, anchors) if owner is muscle
-        ]
-        tissues.append(entry)
-    return tissues
+
+def tissue(muscle, placed, factor, side="left"):
+    """The muscle as an entry of the project file."""
+    entry = {"name": muscle.name, "kind": "muscle", "side": side, "group": muscle.group, "layer": muscle.layer}
+    if muscle.anisotropy:
+        entry["anisotropy"] = dict(zip(("lambda2", "lambda3", "rotation"), muscle.anisotropy))
+    entry["curves"] = [
+        pj.curve(head.name, at, factor * value, *[("plane" if name == "median" else "bone", name) for name in ends])
+        for (owner, head), at, value, ends in zip(*placed) if owner is muscle
+    ]
+    return entry
+
+
+def factors():
+    """The factor on each muscle's tissue values that fit_values.py found."""
+    fitted = HERE / "values.json"
+    return json.loads(fitted.read_text()) if fitted.exists() else {}
 
 
 def main():
     if "--curves" not in sys.argv:
         make_meshes()
     bones, skin = read_parts(HERE / "bones.obj"), read_parts(HERE / "skin.obj")["skin"]
-    fitted = HERE / "values.json"
-    tissues = make_curves(bones, skin, json.loads(fitted.read_text()) if fitted.exists() else {})
+    placed, fitted = place_curves(MUSCLES, bones, skin), factors()
+    tissues = [tissue(muscle, placed, fitted.get(muscle.name, muscle.value)) for muscle in MUSCLES]
     pj.save(HERE / "arm.ecorche", {
         "schema": 1,
         "name": "left arm",

@@ -72,10 +72,20 @@ def capsule(a, b, ra, rb):
     return f
 
 
-def tube(points, radii, flat=None):
+def near(shape, low, high, reach):
+    """`shape` where it is closer than about `reach` to its box, else the distance to the box: nobody blends that far."""
+    def f(p):
+        away = np.linalg.norm(np.maximum(0, np.maximum(low - p, p - high)), axis=1)
+        close = away < reach
+        away[close] = shape(p[close])
+        return away
+    return f
+
+
+def tube(points, radii, flat=None, reach=45.0):
     """A round rod along a spline. `flat` = (direction, factor) thins it along a direction."""
     points = np.asarray(points, float)
-    samples, u = cv.spline(points, 6)
+    samples, u = cv.spline(points, 5)
     radius = PchipInterpolator(np.arange(len(points)), radii)(u)
 
     def stretch(q):
@@ -95,7 +105,9 @@ def tube(points, radii, flat=None):
         for piece in pieces[1:]:
             value = np.minimum(value, piece(q))
         return value if flat is None else value / flat[1]
-    return f
+
+    room = np.max(radii)
+    return near(f, samples.min(0) - room, samples.max(0) + room, reach)
 
 
 def plate(a, b, c, thickness):
@@ -139,17 +151,18 @@ def _grid(low, high, step):
     return counts, np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def sample(shape, low, high, step, coarse=4):
+def sample(shape, low, high, step, coarse=4, border=True):
     """The shape's values on a grid, true to the shape near its surface and only right in sign elsewhere.
 
-    Returns the field and its lowest corner; the box shrinks to what the shape fills.
+    Returns the field and its lowest corner; the box shrinks to what the shape fills. `border`: an error if the shape
+    reaches the border of the box; otherwise the box's low Y stays.
     """
     low, high = np.asarray(low, float), np.asarray(high, float)
     _, points = _grid(low, high, 8.0)
     filled = points[shape(points) < 12.0]
-    if len(filled) == 0 or np.any(filled.min(0) <= low) or np.any(filled.max(0) >= high):
+    if len(filled) == 0 or border and (np.any(filled.min(0) <= low) or np.any(filled.max(0) >= high)):
         raise SystemExit("the shape is empty or reaches the border of its box")
-    low = filled.min(0) - 4
+    low = filled.min(0) - 4 if border else np.array([filled[:, 0].min() - 4, low[1], filled[:, 2].min() - 4])
     block = coarse * step
     counts, points = _grid(low, filled.max(0) + 4 + block, block)
     rough = shape(points).reshape(counts)
