@@ -4,6 +4,7 @@
 #include <ecorche/model/project_file.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "support/paths.h"
@@ -182,6 +183,43 @@ TEST_CASE("the arm is what it says") {
   CHECK(std::any_of(arm->tissues.begin(), arm->tissues.end(), [](const model::Tissue& tissue) {
     return tissue.anisotropy.lambda2 != tissue.anisotropy.lambda3;
   }));
+}
+
+TEST_CASE("the mirrored arm is symmetric, its half is half of it") {
+  const Example whole = load(exampleFolder() / "arm" / "arm-mirrored.ecorche");
+  const auto half = model::loadProject(exampleFolder() / "arm" / "arm-half.ecorche");
+  REQUIRE(half);
+  CHECK(half->skin == whole.project.skin);
+
+  // Every vertex of the skin has its mirror image, to the last digit
+  std::vector<std::array<double, 3>> left, right;
+  for (Eigen::Index v = 0; v < whole.skin.V.rows(); ++v) {
+    const mesh::Vector3 p = whole.skin.V.row(v);
+    left.push_back({p.x(), p.y(), p.z()});
+    right.push_back({p.x(), p.y() == 0.0 ? 0.0 : -p.y(), p.z()});
+  }
+  std::sort(left.begin(), left.end());
+  std::sort(right.begin(), right.end());
+  CHECK(left == right);
+
+  // A muscle that crosses the plane is the half's curve and its image
+  for (const model::Tissue& tissue : half->tissues) {
+    const auto place = model::findTissue(whole.project, tissue.name);
+    REQUIRE(place);
+    const model::Tissue& full = whole.project.tissues[*place];
+    for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
+      if (tissue.curves[c].start.on != model::Support::On::Plane) {
+        CHECK(full.curves[c] == tissue.curves[c]);
+        continue;
+      }
+      const mesh::Spline ending = model::splineOf(tissue.curves[c]);
+      const mesh::Spline through = model::splineOf(full.curves[c]);
+      INFO(model::curveLabel(full, c));
+      CHECK(through.length() == Approx(2 * ending.length()).epsilon(1e-6));
+      const double middle = 0.5 * through.lastParameter();
+      CHECK((through.at(middle + 0.5) - ending.at(0.5)).norm() < 1e-6);
+    }
+  }
 }
 
 TEST_CASE("curves of the hind limb start and end on bone and run between skin and bones") {
