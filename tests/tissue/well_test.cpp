@@ -1,8 +1,11 @@
 #include <ecorche/tissue/curve_trace.h>
+#include <ecorche/tissue/resolution.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/tissue_solver.h>
 #include <ecorche/tissue/well.h>
+#include <ecorche/tissue/well_radius.h>
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -48,32 +51,39 @@ struct LineInCylinder {
 }  // namespace
 
 TEST_CASE("a curve in a cylinder has the field of the exact logarithm, on coarse and fine tets") {
-  const LineInCylinder exact{1.0, 0.01, 0.2};
-  for (const int cells : {12, 20, 32}) {
-    for (const std::uint64_t seed : {0U, 5U}) {
-      const Domain domain = test::cylinderDomain(exact.R, 0.8, cells, seed);
-      TissueOptions options;
-      options.coreRadius = exact.rho;
-      const auto fields = solved(domain, {muscle("m", {{0.2, 0, -0.1}, {0.2, 0, 0.9}})}, options);
-      const double h = 2.0 / cells;
-      double scale = 0.0;
-      double worst = 0.0;
-      double mean = 0.0;
-      int count = 0;
-      for (Eigen::Index v = 0; v < domain.mesh.V.rows(); ++v) {
-        const double x = domain.mesh.V(v, 0);
-        const double y = domain.mesh.V(v, 1);
-        if (std::hypot(x - 0.2, y) < 2.0 * h) continue;
-        const double f = exact.field(x, y);
-        scale = std::max(scale, f);
-        worst = std::max(worst, std::abs(fields.values(v, 1) - f));
-        mean += fields.values(v, 1) - f;
-        ++count;
+  // Along planes of the grid and at an angle to them; finer than the tets, and resolved by the
+  // finest of them
+  for (const double angle : {0.0, 0.6}) {
+    for (const double rho : {0.01, 0.06}) {
+      const LineInCylinder exact{1.0, rho, 0.23};
+      for (const int cells : {12, 20, 32}) {
+        for (const std::uint64_t seed : {0U, 5U}) {
+          const Domain domain = test::cylinderDomain(exact.R, 0.8, cells, seed);
+          TissueOptions options;
+          options.coreRadius = exact.rho;
+          const Eigen::Vector2d at = exact.e * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+          const auto fields = solved(
+              domain, {muscle("m", {{at.x(), at.y(), -0.1}, {at.x(), at.y(), 0.9}})}, options);
+          double scale = 0.0;
+          double worst = 0.0;
+          double mean = 0.0;
+          int count = 0;
+          for (Eigen::Index v = 0; v < domain.mesh.V.rows(); ++v) {
+            const Eigen::Vector2d p =
+                Eigen::Rotation2Dd(-angle) * domain.mesh.V.row(v).head<2>().transpose();
+            if (std::hypot(p.x() - exact.e, p.y()) < std::max(4.0 / cells, 1.5 * rho)) continue;
+            const double f = exact.field(p.x(), p.y());
+            scale = std::max(scale, f);
+            worst = std::max(worst, std::abs(fields.values(v, 1) - f));
+            mean += fields.values(v, 1) - f;
+            ++count;
+          }
+          INFO("angle " << angle << ", rho " << rho << ", " << cells << " cells, seed " << seed
+                        << ", worst " << worst / scale << ", mean " << mean / count / scale);
+          CHECK(worst / scale < 0.07);
+          CHECK(std::abs(mean / count) / scale < 0.012);
+        }
       }
-      INFO(cells << " cells, seed " << seed << ", worst " << worst / scale << ", mean "
-                 << mean / count / scale);
-      CHECK(worst / scale < 0.16);
-      CHECK(std::abs(mean / count) / scale < 0.035);
     }
   }
 }
@@ -82,19 +92,77 @@ TEST_CASE(
     "refinement keeps a muscle's volume with well weights and shrinks it with the paper's rows") {
   TissueOptions well;
   well.coreRadius = 0.01;
-  TissueOptions paper;
-  paper.alpha = 5.0;
-  const CurveTissue m = muscle("m", {{-0.11, 0.07, 0.2}, {0.13, -0.05, 1.4}});
-  std::vector<double> wells;
-  std::vector<double> papers;
-  for (const int cells : {16, 28}) {
-    const Domain domain = test::cylinderDomain(1.0, 1.6, cells, 3);
-    wells.push_back(tissueVolumes(domain.mesh, solved(domain, {m}, well))[1]);
-    papers.push_back(tissueVolumes(domain.mesh, solved(domain, {m}, paper))[1]);
+  const std::vector<CurveTissue> one{muscle("m", {{-0.11, 0.07, 0.2}, {0.13, -0.05, 1.4}})};
+  std::vector<ResolutionCase> cases;
+  for (const int cells : {16, 22, 30}) {
+    RunContext run;
+    const auto measured =
+        measureResolution(test::cylinderDomain(1.0, 1.6, cells, 3), one, well, run);
+    REQUIRE(measured.has_value());
+    cases.push_back(*measured);
   }
-  INFO(wells[0] << " " << wells[1] << " against " << papers[0] << " " << papers[1]);
-  CHECK(std::abs(wells[1] / wells[0] - 1.0) < 0.06);
-  CHECK(papers[1] / papers[0] < 0.9);
+  CHECK(volumeChange(cases, one, false, 0.0).total < 0.02);
+  CHECK(volumeChange(cases, one, true, 0.0).total > 0.1);
+  CHECK(cases.back().volumePaper[1] < cases.front().volumePaper[1]);
+  CHECK(cases[0].volume[0] + cases[0].volume[1] ==
+        Approx(cases[0].volumePaper[0] + cases[0].volumePaper[1]));
+}
+
+TEST_CASE("a straight muscle is smooth: its cross-section hardly varies at five tets across") {
+  const CurveTissue m = muscle("m", {{-0.11, 0.07, -0.01}, {0.13, -0.05, 1.21}});
+  TissueOptions options;
+  options.coreRadius = 0.01;
+  RunContext run;
+  const Domain fine = test::cylinderDomain(1.0, 1.2, 32, 9);
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const auto five =
+        measureSmoothness(test::cylinderDomain(1.0, 1.2, 19, seed), fine, m, options, run);
+    REQUIRE(five.has_value());
+    INFO(five->across << " tets across, " << five->deviation << ", mean " << five->meanRatio);
+    CHECK(five->across == Approx(5.0).margin(0.6));
+    CHECK(five->deviation < 0.012);
+    CHECK(five->meanRatio == Approx(1.0).margin(0.015));
+  }
+}
+
+TEST_CASE("the well radius of a row knows where in its tet the line runs, and no units") {
+  const Domain domain = test::cylinderDomain(1.0, 1.0, 14, 4);
+  const Vector3 tangent = Vector3(0.2, -0.3, 1.0).normalized();
+  const Eigen::VectorXd h = mesh::meanEdgeLengths(domain.mesh);
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(0.9, Vector3(2, 1, -1).normalized()).toRotationMatrix();
+  const Domain turned = test::moved(domain, R, 1024.0, Vector3::Zero());
+  double mean = 0.0;
+  int count = 0;
+  for (Eigen::Index t = 0; t < domain.mesh.T.rows(); t += 7) {
+    const Vector3 p = domain.mesh.V(domain.mesh.T.row(t), Eigen::all).colwise().mean().transpose();
+    const double r = wellRadius(domain, std::int32_t(t), p, tangent, h[t]);
+    REQUIRE(r >= kLeastWell * kWellC * h[t]);
+    REQUIRE(r <= kWellC * h[t] / kLeastWell);
+    REQUIRE(wellRadius(turned, std::int32_t(t), 1024.0 * (R * p), R * tangent, 1024.0 * h[t]) ==
+            Approx(1024.0 * r).epsilon(1e-9));
+    mean += r / h[t];
+    ++count;
+  }
+  CHECK(mean / count == Approx(kWellC).margin(0.05));
+}
+
+TEST_CASE("a line in the faces of a grid has one well radius, whichever tet it is asked in") {
+  const Domain domain = test::cylinderDomain(1.0, 1.0, 16, 0);
+  const Vector3 p(0.21, 0.0, 0.43);
+  const double a = wellRadius(domain, mesh::TetLocator(domain.mesh).locate(p - Vector3(0, 1e-9, 0)),
+                              p, Vector3::UnitZ(), 0.15);
+  const double b = wellRadius(domain, mesh::TetLocator(domain.mesh).locate(p + Vector3(0, 1e-9, 0)),
+                              p, Vector3::UnitZ(), 0.15);
+  CHECK(a == Approx(b).epsilon(1e-3));
+}
+
+TEST_CASE("the rim of a core reads the line's field at its own radius once tets are fine") {
+  CHECK(wellRim(1.0, 1e-3).equivalent == Approx(1.0).epsilon(1e-3));
+  CHECK(wellRim(1.0, 0.1).equivalent < 1.1);
+  CHECK(wellRim(1.0, 1.0).equivalent > 1.3);
+  CHECK(wellWeight(0.01, 0.01) == Approx(std::numbers::pi * kWellBeta));
+  CHECK(wellWeight(0.01, 0.05) < wellWeight(0.01, 0.02));
 }
 
 TEST_CASE(

@@ -52,8 +52,9 @@ class BlasThreads {
   bool wide_;
 };
 
-// Columns per block of a solve: fixed, so that results do not depend on the number of threads
-constexpr Eigen::Index kBlock = 8;
+// Most columns per block of a solve: the factor is read once per block. Blocks are the same for any
+// number of threads, so that results are, too.
+constexpr Eigen::Index kBlock = 16;
 
 }  // namespace
 
@@ -138,14 +139,17 @@ void Cholesky::solveInPlace(Eigen::MatrixXd& X, const std::function<bool()>& sto
   EC_REQUIRE(ok());
   EC_REQUIRE_EQ(X.rows(), impl_->rowCount);
   const BlasThreads blas(1);
+  if (X.cols() == 0) return;
   const Eigen::Index blockCount = (X.cols() + kBlock - 1) / kBlock;
+  const Eigen::Index blockWidth = (X.cols() + blockCount - 1) / blockCount;
   parallelFor(
       blockCount,
       [&](std::int64_t block) {
         if (stop && stop()) return;
         Common common;
-        const Eigen::Index begin = block * kBlock;
-        const Eigen::Index width = std::min(kBlock, X.cols() - begin);
+        const Eigen::Index begin = block * blockWidth;
+        const Eigen::Index width = std::min(blockWidth, X.cols() - begin);
+        if (width <= 0) return;
         cholmod_dense b{};
         b.nrow = b.d = static_cast<std::size_t>(X.rows());
         b.ncol = static_cast<std::size_t>(width);

@@ -4,6 +4,7 @@
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/nearest_boundary.h>
 #include <ecorche/tissue/well.h>
+#include <ecorche/tissue/well_radius.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -120,27 +121,12 @@ void judgeGaps(const Domain& domain, const CurveTissue& tissue, const CurveWalk&
   }
 }
 
-// Points of a disc of radius 1 that all stand for the same area: rings of 1, 6, 12, … points.
-std::vector<Eigen::Vector2d> discPoints(int rings) {
-  std::vector<Eigen::Vector2d> points{Eigen::Vector2d::Zero()};
-  const int total = 1 + 3 * rings * (rings + 1);
-  for (int ring = 1; ring <= rings; ++ring) {
-    // Middle of the ring's share of the area
-    const double inner = 1.0 + 3.0 * ring * (ring - 1);
-    const double r = std::sqrt((inner + 3.0 * ring) / total);
-    for (int k = 0; k < 6 * ring; ++k) {
-      const double angle = 2.0 * std::numbers::pi * (k + 0.5 * (ring % 2)) / (6 * ring);
-      points.emplace_back(r * std::cos(angle), r * std::sin(angle));
-    }
-  }
-  return points;
-}
-
-// The row of a piece whose tets are finer than the core: the same weight shared by points of the
-// core's disc. Points in bone are left out, the others share what is theirs.
-void addDisc(const CurveWalker& walker, const Domain& domain, const CoreSample& middle,
-             const Vector3& centre, double radius, double h, std::vector<CoreSample>& out) {
-  // Across the tangent, from a corner of the tet, so that the disc turns with the model
+// The row of a piece whose tet is finer than the core: its weight shared by points on the core's
+// rim, where the field of the line is what the core holds. Points in bone are left out, the others
+// share what is theirs.
+void addRim(const CurveWalker& walker, const Domain& domain, const CoreSample& middle,
+            const Vector3& centre, const WellRim& rim, std::vector<CoreSample>& out) {
+  // Across the tangent, from a corner of the tet, so that the rim turns with the model
   Vector3 across = Vector3::Zero();
   for (int k = 0; k < 4; ++k) {
     const Vector3 to = domain.mesh.V.row(domain.mesh.T(middle.tet, k)).transpose() - centre;
@@ -150,10 +136,10 @@ void addDisc(const CurveWalker& walker, const Domain& domain, const CoreSample& 
   across.normalize();
   const Vector3 third = middle.tangent.cross(across);
 
-  const int rings = std::clamp(static_cast<int>(std::ceil(radius / h)), 1, 4);
   const std::size_t begin = out.size();
-  for (const Eigen::Vector2d& d : discPoints(rings)) {
-    const Vector3 p = centre + radius * (d.x() * across + d.y() * third);
+  for (int k = 0; k < rim.count; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / rim.count;
+    const Vector3 p = centre + rim.radius * (std::cos(angle) * across + std::sin(angle) * third);
     CoreSample sample = middle;
     sample.tet = walker.find(middle.tet, p);
     if (sample.tet < 0) continue;
@@ -216,12 +202,16 @@ void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue
     if (options.alpha) {
       sample.weight = *options.alpha;
       job.samples.push_back(sample);
-    } else if (kWellC * h >= rho) {
-      sample.weight = wellWeight(rho, h) * sample.length;
+      continue;
+    }
+    const double line = wellRadius(domain, piece.tet, middle, sample.tangent, h);
+    if (line >= rho) {
+      sample.weight = wellWeight(rho, line) * sample.length;
       job.samples.push_back(sample);
     } else {
-      sample.weight = wellWeight(rho, h) * sample.length;
-      addDisc(walker, domain, sample, middle, rho, h, job.samples);
+      const WellRim rim = wellRim(rho, line);
+      sample.weight = wellWeight(rho, rim.equivalent) * sample.length;
+      addRim(walker, domain, sample, middle, rim, job.samples);
     }
   }
 }

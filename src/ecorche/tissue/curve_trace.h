@@ -7,7 +7,7 @@ namespace ecorche::tissue {
 
 /// Rows of B with their weights: one per tet that a curve crosses, at the middle of the piece
 /// [ABLSJ21 §3.4], weighted by its length and the well weight of docs/algorithms/tissue_fields.md.
-/// Where tets are finer than the core, a row is spread over points of the core's disc.
+/// Where tets are finer than the core, a row is spread over points of the core's rim.
 /// TissueOptions::alpha gives the paper's constant weight instead.
 ///
 /// A curve may run through bone, obstacles, cavities and cut planes: what is lost there is a

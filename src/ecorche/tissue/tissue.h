@@ -9,7 +9,8 @@
 
 namespace ecorche::tissue {
 
-/// How fast a muscle's field spreads across its curve; along the curve it spreads with 1 [ABLSJ21 §3.7].
+/// How fast a muscle's field spreads across its curve; along the curve it spreads with 1 [ABLSJ21
+/// §3.7].
 struct Anisotropy {
   double lambda2 = 1.0;   ///< along e2. 1: isotropic [unitless, > 0]
   double lambda3 = 1.0;   ///< along e3. 1: isotropic [unitless, > 0]
@@ -19,13 +20,13 @@ struct Anisotropy {
 
 /// One head of a muscle.
 struct TissueCurve {
-  std::string name;                  ///< for messages: "biceps femoris, curve 2"
-  mesh::Spline spline;               ///< world [m], origin first
-  std::vector<double> values;        ///< tissue value at each control point [unitless, > 0]
+  std::string name;            ///< for messages: "biceps femoris, curve 2"
+  mesh::Spline spline;         ///< world [m], origin first
+  std::vector<double> values;  ///< tissue value at each control point [unitless, > 0]
 };
 
-/// A tissue that grows from curves: a muscle, or a filler that takes space and is not exported as a muscle.
-/// Its id is kFirstMuscle + its place in the list.
+/// A tissue that grows from curves: a muscle, or a filler that takes space and is not exported as a
+/// muscle. Its id is kFirstMuscle + its place in the list.
 struct CurveTissue {
   std::string name;
   bool filler = false;
@@ -36,9 +37,10 @@ struct CurveTissue {
 
 /// What the energies are weighed with.
 struct TissueOptions {
-  double fat = 0.3;                  ///< value of the fat field on skin. 0: fat is no candidate [unitless]
+  double fat = 0.3;  ///< value of the fat field on skin. 0: fat is no candidate [unitless]
   std::optional<double> coreRadius;  ///< [m]. Unset: 0.1 % of the skin's diagonal
-  std::optional<double> alpha;       ///< the paper's constant row weight instead of well weights, for comparison
+  std::optional<double>
+      alpha;  ///< the paper's constant row weight instead of well weights, for comparison
 };
 
 }  // namespace ecorche::tissue
