@@ -1,4 +1,5 @@
 #include <ecorche/core/parallel.h>
+#include <ecorche/fiber/curve_tets.h>
 #include <ecorche/fiber/fiber_field.h>
 
 #include <Eigen/Geometry>
@@ -479,4 +480,27 @@ TEST_CASE("one thread and two give the same bytes") {
   CHECK(fields[0].tetFiber == fields[1].tetFiber);
   CHECK(fields[0].vertexFiber == fields[1].vertexFiber);
   CHECK(fields[0].muscles[1].fiberLength == fields[1].muscles[1].fiberLength);
+}
+
+TEST_CASE("a line in faces and edges of tets is measured once") {
+  // The axis of a cylinder runs along edges of its grid, a shifted one through insides
+  const Shape shape = makeShape(cylinder());
+  std::vector<std::int32_t> upper;
+  std::vector<std::int32_t> all;
+  for (Eigen::Index t = 0; t < shape.anatomy.mesh.T.rows(); ++t) {
+    all.push_back(static_cast<std::int32_t>(t));
+    if (centroid(shape, t).z() > 0.1) upper.push_back(static_cast<std::int32_t>(t));
+  }
+  for (const double x : {0.0, 0.0013}) {
+    const std::vector<Vector3> line{
+        {x, x / 3, -0.1}, {x, x / 3, 0.03}, {x, x / 3, 0.15}, {x, x / 3, 0.3}};
+    CHECK(fiber::lengthInside(shape.anatomy.mesh, all, line) == Approx(0.2).epsilon(1e-12));
+    CHECK(fiber::lengthInside(shape.anatomy.mesh, upper, line) == Approx(0.1).epsilon(1e-12));
+    double sum = 0.0;
+    for (const auto& hit : fiber::tetsOnCurve(shape.anatomy.mesh, all, line)) {
+      CHECK(angleDeg(hit.tangent, Vector3::UnitZ()) < 1e-6);
+      sum += hit.length;
+    }
+    CHECK(sum >= 0.2 * (1 - 1e-12));
+  }
 }

@@ -134,6 +134,7 @@ Result<CheckReport> checkOutput(const fs::path& folder, RunContext& run) {
   if (auto ok = checkMuscles(*files, report, run); !ok) return passOn(ok);
   checkFibers(*files, report.checks);
   run.progress("checking files", 0.7);
+  if (auto ok = checkDeviation(*files, report.checks, run); !ok) return passOn(ok);
   if (auto ok = checkReportAgrees(*files, report); !ok) return passOn(ok);
   return report;
 }

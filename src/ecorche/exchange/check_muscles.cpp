@@ -88,11 +88,8 @@ double shareInside(const CheckedFiles& files, const TissueRecord& tissue) {
     for (std::size_t k = 1; k < curve.points.size(); ++k)
       length += (curve.points[k] - curve.points[k - 1]).norm();
     if (static_cast<std::size_t>(tissue.id) >= files.tetsOf.size()) continue;
-    for (const auto& hit :
-         fiber::tetsOnCurve(files.anatomy->mesh, files.tetsOf[static_cast<std::size_t>(tissue.id)],
-                            curve.points)) {
-      inside += hit.length;
-    }
+    inside += fiber::lengthInside(files.anatomy->mesh,
+                                  files.tetsOf[static_cast<std::size_t>(tissue.id)], curve.points);
   }
   return length > 0.0 ? std::min(1.0, inside / length) : 1.0;
 }

@@ -43,4 +43,9 @@ void checkTets(const CheckedFiles& files, Checks& checks);
 /// fibers-unit, fibers-follow-curves, fibers-origin-to-insertion
 void checkFibers(const CheckedFiles& files, Checks& checks);
 
+/// skin-deviation, bone-deviation
+/// @errors of reading the originals; Cancelled
+[[nodiscard]] Result<void> checkDeviation(const CheckedFiles& files, Checks& checks,
+                                          RunContext& run);
+
 }  // namespace ecorche::exchange

@@ -1,20 +1,13 @@
 #include <ecorche/core/files.h>
+#include <ecorche/exchange/json_parts.h>
 #include <ecorche/exchange/model_record.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 namespace ecorche::exchange {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json pointJson(const Eigen::Vector3d& p) { return Json::array({p.x(), p.y(), p.z()}); }
-Eigen::Vector3d pointOf(const Json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
 
 ModelRecord recordFrom(const Json& j) {
   ModelRecord r;
@@ -34,6 +27,7 @@ ModelRecord recordFrom(const Json& j) {
   for (const Json& p : j.at("cut_planes")) {
     r.planes.push_back({p.at("name"), pointOf(p.at("point_m")), pointOf(p.at("normal"))});
   }
+  r.references = referencesOf(j.at("mesh_references"));
   return r;
 }
 
@@ -65,6 +59,7 @@ std::string printModelRecord(const ModelRecord& r) {
     j["cut_planes"].push_back(
         {{"name", p.name}, {"point_m", pointJson(p.point)}, {"normal", pointJson(p.normal)}});
   }
+  j["mesh_references"] = referencesJson(r.references);
   return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

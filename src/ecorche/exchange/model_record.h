@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/core/result.h>
+#include <ecorche/exchange/anatomy_file.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -44,6 +45,7 @@ struct ModelRecord {
   std::vector<TissueRecord> tissues;  ///< ascending ids
   std::vector<SurfaceRecord> surfaces;
   std::vector<PlaneRecord> planes;
+  std::vector<FaceReference> references;  ///< of the triangles in anatomy.mesh; empty without it
 };
 
 [[nodiscard]] std::string printModelRecord(const ModelRecord& record);

@@ -123,8 +123,6 @@ Result<WrittenOutput> writeOutput(const fs::path& folder, const OutputContents& 
     names.push_back({kFirstMuscle.value + static_cast<std::int32_t>(i), c.tissues[i].name});
   }
 
-  const std::string record = printModelRecord(recordOf(c, written.tissueFiles, originalFile));
-  if (auto ok = writeFileWhole(folder / "model.json", record); !ok) return passOn(ok);
   if (formats.vtu) {
     const VtuContents vtu{c.anatomy.mesh,     c.anatomy.label,       names,
                           &c.fibers.tetFiber, &c.fibers.vertexFiber, &c.fibers.tendon};
@@ -155,6 +153,10 @@ Result<WrittenOutput> writeOutput(const fs::path& folder, const OutputContents& 
     if (auto ok = mesh::writeObj(*c.originals[i].mesh, folder / originalFile[i]); !ok)
       return passOn(ok);
   }
+  ModelRecord record = recordOf(c, written.tissueFiles, originalFile);
+  record.references = written.references;
+  if (auto ok = writeFileWhole(folder / "model.json", printModelRecord(record)); !ok)
+    return passOn(ok);
   return written;
 }
 

@@ -1,18 +1,13 @@
 #include <ecorche/core/files.h>
+#include <ecorche/exchange/json_parts.h>
 #include <ecorche/exchange/report.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 namespace ecorche::exchange {
 
 namespace {
-
-// Keys keep the order in which they are written here
-using Json = nlohmann::ordered_json;
-
-Json pointJson(const Eigen::Vector3d& p) { return Json::array({p.x(), p.y(), p.z()}); }
 
 Json checkJson(const Check& c) {
   Json j{{"name", c.name},
@@ -65,18 +60,6 @@ Json findingJson(const Finding& f) {
   return j;
 }
 
-Json referenceJson(const FaceReference& r) {
-  Json j{{"reference", r.reference}, {"kind", r.kind}, {"name", r.name}, {"index", r.index}};
-  if (r.kind == "interface") {
-    j["other"] = r.other;
-    j["other_index"] = r.otherIndex;
-  }
-  return j;
-}
-
-Eigen::Vector3d pointOf(const Json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
 std::optional<Eigen::Vector3d> optionalPoint(const Json& j) {
   if (!j.contains("point_m")) return std::nullopt;
   return pointOf(j.at("point_m"));
@@ -132,11 +115,6 @@ Finding findingFrom(const Json& j) {
   return f;
 }
 
-FaceReference referenceFrom(const Json& j) {
-  return {j.at("reference"),        j.at("kind"),  j.at("name"),
-          optionalText(j, "other"), j.at("index"), j.value("other_index", 0)};
-}
-
 Json reportJson(const Report& r) {
   Json j;
   j["schema"] = 1;
@@ -158,8 +136,7 @@ Json reportJson(const Report& r) {
                   {"smallest_volume_m3", r.quality.smallestVolume}};
   j["checks"] = Json::array();
   for (const Check& c : r.checks) j["checks"].push_back(checkJson(c));
-  j["mesh_references"] = Json::array();
-  for (const FaceReference& f : r.references) j["mesh_references"].push_back(referenceJson(f));
+  j["mesh_references"] = referencesJson(r.references);
   j["findings"] = Json::array();
   for (const Finding& f : r.findings) j["findings"].push_back(findingJson(f));
   j["stages"] = Json::array();
@@ -197,7 +174,7 @@ Report reportFrom(const Json& j) {
       quality.at("min_dihedral_histogram").get<std::vector<std::int64_t>>();
   r.quality.smallestVolume = quality.at("smallest_volume_m3");
   for (const Json& c : j.at("checks")) r.checks.push_back(checkFrom(c));
-  for (const Json& f : j.at("mesh_references")) r.references.push_back(referenceFrom(f));
+  r.references = referencesOf(j.at("mesh_references"));
   for (const Json& f : j.at("findings")) r.findings.push_back(findingFrom(f));
   for (const Json& s : j.at("stages")) r.stages.push_back({s.at("stage"), s.at("seconds")});
   r.totalSeconds = j.at("total_seconds");

@@ -35,11 +35,11 @@ std::array<double, 2> clipToTet(const std::array<Vector3, 4>& p, const Vector3& 
   return {lo, hi};
 }
 
-}  // namespace
-
-std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
-                                    const std::vector<std::int32_t>& tets,
-                                    const std::vector<Vector3>& line) {
+// Calls visit(tet, segment, lo, hi) for every tet and every piece of the line inside, tets
+// ascending.
+template <class Visit>
+void forEachPiece(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& tets,
+                  const std::vector<Vector3>& line, const Visit& visit) {
   std::vector<mesh::Box> boxes;
   mesh::Box whole;
   for (std::size_t k = 0; k + 1 < line.size(); ++k) {
@@ -52,8 +52,6 @@ std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
   const auto apart = [](const mesh::Box& a, const mesh::Box& b) {
     return (a.lo.array() > b.hi.array()).any() || (b.lo.array() > a.hi.array()).any();
   };
-
-  std::vector<TetOnCurve> out;
   for (const std::int32_t t : tets) {
     std::array<Vector3, 4> p;
     mesh::Box box;
@@ -62,24 +60,56 @@ std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
       box.add(p[static_cast<std::size_t>(k)]);
     }
     if (apart(box, whole)) continue;
-    TetOnCurve hit;
-    Vector3 along = Vector3::Zero();
     for (std::size_t k = 0; k + 1 < line.size(); ++k) {
       if (apart(box, boxes[k])) continue;
       const auto [lo, hi] = clipToTet(p, line[k], line[k + 1]);
-      if (lo < hi) {
-        const Vector3 inside = (hi - lo) * (line[k + 1] - line[k]);
-        hit.length += inside.norm();
-        along += inside;
-      }
+      if (lo < hi) visit(t, k, lo, hi);
     }
-    const double norm = along.norm();
-    if (!(norm > 0.0)) continue;
-    hit.tet = t;
-    hit.tangent = along / norm;
-    out.push_back(hit);
   }
+}
+
+}  // namespace
+
+std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
+                                    const std::vector<std::int32_t>& tets,
+                                    const std::vector<Vector3>& line) {
+  // The tangent gathers the pieces' vectors until all are known
+  std::vector<TetOnCurve> out;
+  forEachPiece(mesh, tets, line, [&](std::int32_t t, std::size_t k, double lo, double hi) {
+    if (out.empty() || out.back().tet != t) out.push_back({t, 0.0, Vector3::Zero()});
+    const Vector3 inside = (hi - lo) * (line[k + 1] - line[k]);
+    out.back().length += inside.norm();
+    out.back().tangent += inside;
+  });
+  std::erase_if(out, [](const TetOnCurve& hit) { return !(hit.tangent.norm() > 0.0); });
+  for (TetOnCurve& hit : out) hit.tangent.normalize();
   return out;
+}
+
+double lengthInside(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& tets,
+                    const std::vector<Vector3>& line) {
+  struct Piece {
+    std::size_t segment;
+    double lo, hi;
+    auto operator<=>(const Piece&) const = default;
+  };
+  std::vector<Piece> pieces;
+  forEachPiece(mesh, tets, line, [&](std::int32_t, std::size_t k, double lo, double hi) {
+    pieces.push_back({k, lo, hi});
+  });
+  std::ranges::sort(pieces);
+
+  // Union of intervals, segment by segment
+  double length = 0.0;
+  double reached = 0.0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& p = pieces[i];
+    if (i == 0 || pieces[i - 1].segment != p.segment) reached = 0.0;
+    if (p.hi <= reached) continue;
+    length += (p.hi - std::max(p.lo, reached)) * (line[p.segment + 1] - line[p.segment]).norm();
+    reached = p.hi;
+  }
+  return length;
 }
 
 }  // namespace ecorche::fiber
