@@ -1,9 +1,9 @@
 #include <ecorche/core/parallel.h>
+#include <ecorche/mesh/disjoint_sets.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <numeric>
 #include <unordered_map>
 
 namespace ecorche::mesh {
@@ -11,37 +11,6 @@ namespace ecorche::mesh {
 namespace {
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-// Union-find with path halving; the smaller number is the root, so roots come in order of first
-// member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  std::int32_t root(std::int32_t i) {
-    while (parent_[index(i)] != i) i = parent_[index(i)] = parent_[index(parent_[index(i)])];
-    return i;
-  }
-  void unite(std::int32_t i, std::int32_t j) {
-    i = root(i);
-    j = root(j);
-    parent_[index(std::max(i, j))] = std::min(i, j);
-  }
-  // Numbers the sets from 0 in order of their first members.
-  std::int32_t label(std::vector<std::int32_t>& out) {
-    out.assign(parent_.size(), -1);
-    std::int32_t count = 0;
-    for (std::size_t i = 0; i < parent_.size(); ++i) {
-      const std::int32_t r = root(static_cast<std::int32_t>(i));
-      out[i] = index(r) == i ? count++ : out[index(r)];
-    }
-    return count;
-  }
-
- private:
-  std::vector<std::int32_t> parent_;
-};
 
 struct EdgeUse {
   std::int32_t a;

@@ -1,0 +1,334 @@
+#include <ecorche/mesh/disjoint_sets.h>
+#include <ecorche/mesh/face_repair.h>
+#include <ecorche/mesh/surface_check.h>
+#include <ecorche/mesh/surface_query.h>
+#include <ecorche/mesh/surface_topology.h>
+#include <ecorche/mesh/weld.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace ecorche::mesh {
+
+namespace {
+
+std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+Vector3 at(const LabelledFaces& faces, std::int32_t v) { return faces.V.row(v).transpose(); }
+
+Vector3 middle(const LabelledFaces& faces, Eigen::Index f) {
+  return (at(faces, faces.F(f, 0)) + at(faces, faces.F(f, 1)) + at(faces, faces.F(f, 2))) / 3.0;
+}
+
+void renumber(LabelledFaces& faces, const std::vector<std::int32_t>& fresh) {
+  faces.F = faces.F.unaryExpr([&](std::int32_t v) { return fresh[index(v)]; }).eval();
+}
+
+// Cells of a grid as wide as the tolerance; what is closer than that is in neighbouring cells.
+using Cell = std::array<std::int64_t, 3>;
+struct CellHash {
+  std::size_t operator()(const Cell& c) const {
+    return static_cast<std::size_t>(c[0] * 73856093 ^ c[1] * 19349663 ^ c[2] * 83492791);
+  }
+};
+
+// Drops patches of faces that may be walls where both their sides lie inside what is left without
+// all of them.
+std::int64_t dropWalls(LabelledFaces& faces, const std::vector<char>& mayBeWall,
+                       DisjointSets& patches) {
+  if (std::ranges::find(mayBeWall, 1) == mayBeWall.end()) return 0;
+  LabelledFaces rest = faces;
+  std::vector<char> others(mayBeWall.size());
+  std::ranges::transform(mayBeWall, others.begin(), [](char w) { return w == 0 ? 1 : 0; });
+  rest.keep(others);
+  if (!isClosed(rest.F)) return 0;
+
+  const SurfaceQuery query(rest.V, rest.F);
+  const double step = 1e-6 * boundingBox(rest.V).diagonal();
+  std::vector<char> inside(mayBeWall.size(), 0);  // by patch: 1 yes, 2 no
+  std::vector<char> stays(mayBeWall.size(), 1);
+  std::int64_t dropped = 0;
+  for (std::size_t f = 0; f < mayBeWall.size(); ++f) {
+    if (mayBeWall[f] == 0) continue;
+    char& known = inside[index(patches.root(static_cast<std::int32_t>(f)))];
+    if (known == 0) {
+      const auto row = static_cast<Eigen::Index>(f);
+      const Vector3 a = at(faces, faces.F(row, 0));
+      const Vector3 normal = (at(faces, faces.F(row, 1)) - a).cross(at(faces, faces.F(row, 2)) - a);
+      const Vector3 aside =
+          normal.norm() > 0 ? Vector3(step * normal.normalized()) : Vector3::Zero();
+      const Vector3 p = middle(faces, row);
+      const auto solid = [&](const Vector3& q) { return query.windingNumber(q).value_or(0) != 0; };
+      known = solid(p + aside) && solid(p - aside) ? 1 : 2;
+    }
+    if (known == 2) continue;
+    stays[f] = 0;
+    ++dropped;
+  }
+  faces.keep(stays);
+  return dropped;
+}
+
+}  // namespace
+
+void LabelledFaces::keep(const std::vector<char>& kept) {
+  Eigen::Index next = 0;
+  for (Eigen::Index f = 0; f < F.rows(); ++f) {
+    if (kept[index(f)] == 0) continue;
+    F.row(next) = F.row(f).eval();
+    label[index(next++)] = label[index(f)];
+  }
+  F.conservativeResize(next, 3);
+  label.resize(index(next));
+}
+
+StepReport weldEqual(LabelledFaces& faces) {
+  StepReport report;
+  std::vector<char> used(index(faces.V.rows()), 0);
+  for (const std::int32_t v : faces.F.reshaped()) used[index(v)] = 1;
+  VertexWelder welder(used.size());
+  std::vector<std::int32_t> fresh(used.size(), 0);
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (used[v] == 0) continue;
+    const auto row = static_cast<Eigen::Index>(v);
+    const std::int32_t before = welder.count();
+    fresh[v] = welder.add(faces.V(row, 0), faces.V(row, 1), faces.V(row, 2));
+    if (welder.count() == before) report.see(faces.V.row(row).transpose());
+  }
+  renumber(faces, fresh);
+  faces.V = welder.positions();
+  return report;
+}
+
+StepReport weldBorders(LabelledFaces& faces, double tolerance) {
+  StepReport report;
+  if (!(tolerance > 0.0)) return report;
+  const SurfaceEdges edges = surfaceEdges(faces.F);
+  std::map<std::int32_t, double> reach;  // border vertices, and how far each may be moved
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    if (edges.faceCount(e) != 1) continue;
+    const auto [a, b] = edges.ends[e];
+    const double length = (at(faces, a) - at(faces, b)).norm();
+    for (const std::int32_t v : {a, b}) {
+      double& r = reach.try_emplace(v, tolerance).first->second;
+      r = std::min(r, 0.25 * length);
+    }
+  }
+
+  std::unordered_map<Cell, std::vector<std::int32_t>, CellHash> grid;
+  const Vector3 origin = reach.empty() ? Vector3::Zero() : at(faces, reach.begin()->first);
+  const auto cellOf = [&](const Vector3& p) {
+    Cell c;
+    for (int k = 0; k < 3; ++k)
+      c[index(k)] = static_cast<std::int64_t>(std::floor((p[k] - origin[k]) / tolerance));
+    return c;
+  };
+  DisjointSets sets(index(faces.V.rows()));
+  for (const auto& [v, r] : reach) {
+    const Vector3 p = at(faces, v);
+    const Cell home = cellOf(p);
+    for (int n = 0; n < 27; ++n) {
+      const auto near =
+          grid.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
+      if (near == grid.end()) continue;
+      for (const std::int32_t w : near->second) {
+        const double gap = (at(faces, w) - p).norm();
+        if (gap > std::min(r, reach.at(w)) || sets.root(v) == sets.root(w)) continue;
+        sets.unite(v, w);
+        report.see(p, gap);
+      }
+    }
+    grid[home].push_back(v);
+  }
+  if (report.count == 0) return report;
+  std::vector<std::int32_t> fresh(index(faces.V.rows()));
+  for (std::size_t v = 0; v < fresh.size(); ++v) fresh[v] = sets.root(static_cast<std::int32_t>(v));
+  renumber(faces, fresh);
+  return report;
+}
+
+StepReport dropCollapsed(LabelledFaces& faces) {
+  StepReport report;
+  std::vector<char> kept(index(faces.F.rows()), 1);
+  for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
+    if (faces.F(f, 0) != faces.F(f, 1) && faces.F(f, 1) != faces.F(f, 2) &&
+        faces.F(f, 2) != faces.F(f, 0))
+      continue;
+    kept[index(f)] = 0;
+    report.see(middle(faces, f));
+  }
+  if (report.count > 0) faces.keep(kept);
+  return report;
+}
+
+StepReport dropDoubled(LabelledFaces& faces) {
+  StepReport report;
+  std::vector<std::array<std::int32_t, 4>> keys;  // three vertices ascending, face
+  keys.reserve(index(faces.F.rows()));
+  for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
+    std::array<std::int32_t, 4> key{faces.F(f, 0), faces.F(f, 1), faces.F(f, 2),
+                                    static_cast<std::int32_t>(f)};
+    std::sort(key.begin(), key.begin() + 3);
+    keys.push_back(key);
+  }
+  std::ranges::sort(keys);
+  std::vector<char> kept(keys.size(), 1);
+  std::vector<char> wasDoubled(keys.size(), 0);
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (!std::equal(keys[i].begin(), keys[i].begin() + 3, keys[first].begin())) {
+      first = i;
+      continue;
+    }
+    kept[index(keys[i][3])] = 0;
+    wasDoubled[index(keys[first][3])] = 1;
+    report.see(middle(faces, keys[i][3]));
+  }
+  if (report.count == 0) return report;
+  std::vector<char> doubled;
+  for (std::size_t f = 0; f < kept.size(); ++f) {
+    if (kept[f] != 0) doubled.push_back(wasDoubled[f]);
+  }
+  faces.keep(kept);
+
+  // Patches of doubled faces, and whether they end at edges of three faces or more everywhere
+  const SurfaceEdges edges = surfaceEdges(faces.F);
+  DisjointSets patches(doubled.size());
+  const auto faceAt = [&](std::int32_t use) { return edges.slot[index(use)] / 3; };
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    const std::int32_t u = edges.first[e];
+    if (edges.faceCount(e) == 2 && doubled[index(faceAt(u))] && doubled[index(faceAt(u + 1))]) {
+      patches.unite(faceAt(u), faceAt(u + 1));
+    }
+  }
+  std::vector<std::int64_t> borderEdges(doubled.size(), 0);
+  std::vector<std::int64_t> wallEdges(doubled.size(), 0);
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    for (std::int32_t u = edges.first[e]; u < edges.first[e + 1]; ++u) {
+      const std::int32_t f = faceAt(u);
+      if (doubled[index(f)] == 0) continue;
+      const bool inPatch = edges.faceCount(e) == 2 && doubled[index(faceAt(edges.first[e]))] != 0 &&
+                           doubled[index(faceAt(edges.first[e] + 1))] != 0;
+      if (inPatch) continue;
+      ++borderEdges[index(patches.root(f))];
+      if (edges.faceCount(e) >= 3) ++wallEdges[index(patches.root(f))];
+    }
+  }
+  std::vector<char> wall(doubled.size(), 0);
+  for (std::size_t f = 0; f < doubled.size(); ++f) {
+    const std::size_t patch = index(patches.root(static_cast<std::int32_t>(f)));
+    wall[f] = doubled[f] != 0 && borderEdges[patch] > 0 && wallEdges[patch] == borderEdges[patch];
+  }
+  report.count += dropWalls(faces, wall, patches);
+  return report;
+}
+
+StepReport dropSpecks(LabelledFaces& faces, double extent) {
+  StepReport report;
+  const FaceComponents pieces = components(faces.F);
+  if (!(extent > 0.0) || pieces.count < 2) return report;
+  struct Piece {
+    Box box;
+    double area = 0.0;
+    bool open = false;
+  };
+  std::vector<Piece> list(index(pieces.count));
+  double area = 0.0;
+  for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
+    Piece& piece = list[index(pieces.label[index(f)])];
+    const Vector3 a = at(faces, faces.F(f, 0));
+    const Vector3 b = at(faces, faces.F(f, 1));
+    const Vector3 c = at(faces, faces.F(f, 2));
+    for (const Vector3& p : {a, b, c}) piece.box.add(p);
+    const double own = 0.5 * (b - a).cross(c - a).norm();
+    piece.area += own;
+    area += own;
+  }
+  const SurfaceEdges edges = surfaceEdges(faces.F);
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    if (edges.faceCount(e) == 1)
+      list[index(pieces.label[index(edges.slot[index(edges.first[e])] / 3)])].open = true;
+  }
+  const auto largest =
+      std::ranges::max_element(list, {}, [](const Piece& p) { return p.box.diagonal(); });
+  std::vector<char> stays(list.size(), 1);
+  for (std::size_t p = 0; p < list.size(); ++p) {
+    const bool speck =
+        list[p].box.diagonal() < extent || (list[p].open && list[p].area < 1e-4 * area);
+    if (!speck || p == static_cast<std::size_t>(largest - list.begin())) continue;
+    stays[p] = 0;
+    report.see(list[p].box.centre(), list[p].box.diagonal());
+  }
+  if (report.count == 0) return report;
+  std::vector<char> kept(index(faces.F.rows()));
+  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = stays[index(pieces.label[f])];
+  faces.keep(kept);
+  return report;
+}
+
+StepReport orientOutward(LabelledFaces& faces) {
+  StepReport report;
+  SurfaceMesh mesh;
+  mesh.V = faces.V;
+  mesh.F = faces.F;
+  const FaceComponents pieces = components(faces.F);
+  const auto check = checkSurface(mesh).components;
+  const auto facesOf = [&](std::size_t piece) {
+    Triangles F(check[piece].faces, 3);
+    Eigen::Index next = 0;
+    for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
+      if (pieces.label[index(f)] == static_cast<std::int32_t>(piece))
+        F.row(next++) = faces.F.row(f);
+    }
+    return F;
+  };
+  const auto around = [](const Box& outer, const Box& inner) {
+    return (outer.lo.array() <= inner.lo.array()).all() &&
+           (outer.hi.array() >= inner.hi.array()).all() && outer.diagonal() > inner.diagonal();
+  };
+
+  // Closed pieces that lie inside others go the way of the outermost; a vertex tells
+  std::vector<char> turned(check.size(), 0);
+  const bool anyInward = std::ranges::any_of(check, [](const auto& c) { return c.inward; });
+  if (anyInward) {
+    std::vector<std::size_t> bySize(check.size());
+    std::iota(bySize.begin(), bySize.end(), std::size_t{0});
+    std::ranges::stable_sort(bySize, std::greater{},
+                             [&](std::size_t p) { return check[p].box.diagonal(); });
+    std::vector<char> nested(check.size(), 0);
+    for (const std::size_t outer : bySize) {
+      if (nested[outer] != 0 || !check[outer].closed) continue;
+      if (check[outer].inward) turned[outer] = 1;
+      std::optional<SurfaceQuery> query;
+      for (const std::size_t inner : bySize) {
+        if (inner == outer || nested[inner] != 0 || !check[inner].closed) continue;
+        if (!around(check[outer].box, check[inner].box)) continue;
+        if (!query) query.emplace(faces.V, facesOf(outer));
+        if (query->windingNumber(at(faces, faces.F(check[inner].firstFace, 0))).value_or(0) == 0)
+          continue;
+        nested[inner] = 1;
+        turned[inner] = turned[outer];
+      }
+    }
+  }
+  for (std::size_t p = 0; p < check.size(); ++p) {
+    if (!check[p].closed) {
+      const Triangles F = facesOf(p);
+      turned[p] = signedVolume(faces.V.rowwise() - check[p].box.centre().transpose(), F) <
+                  -0.02 * std::pow(check[p].area, 1.5);
+    }
+    if (turned[p] != 0) report.see(check[p].box.centre(), std::abs(check[p].volume));
+  }
+  for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
+    if (turned[index(pieces.label[index(f)])] != 0) std::swap(faces.F(f, 1), faces.F(f, 2));
+  }
+  return report;
+}
+
+}  // namespace ecorche::mesh

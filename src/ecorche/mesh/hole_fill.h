@@ -1,0 +1,23 @@
+#pragma once
+
+#include <ecorche/core/result.h>
+#include <ecorche/core/run_context.h>
+#include <ecorche/mesh/face_repair.h>
+
+namespace ecorche::mesh {
+
+/// What makeManifold did.
+struct ManifoldReport {
+  StepReport split;   ///< vertices doubled where too much hung together
+  StepReport flat;    ///< faces without area taken out, their neighbours joined
+  StepReport filled;  ///< holes filled; size is the widest [m]
+};
+
+/// Makes faces agree about their sides, splits edges and vertices that join too much, takes out
+/// faces without area and fills holes no wider than `holeRel` of their piece's diagonal (CGAL).
+/// Faces name no vertex twice, and none is doubled.
+/// @errors  MeshNotRepairable, Cancelled
+[[nodiscard]] Result<ManifoldReport> makeManifold(LabelledFaces& faces, double holeRel,
+                                                  RunContext& run);
+
+}  // namespace ecorche::mesh

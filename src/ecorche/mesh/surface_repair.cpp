@@ -1,0 +1,180 @@
+#include <ecorche/mesh/face_repair.h>
+#include <ecorche/mesh/hole_fill.h>
+#include <ecorche/mesh/surface_check.h>
+#include <ecorche/mesh/surface_repair.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace ecorche::mesh {
+
+namespace {
+
+LabelledFaces labelled(const SurfaceMesh& mesh) {
+  LabelledFaces faces{
+      .V = mesh.V,
+      .F = mesh.F,
+      .label = std::vector<std::int32_t>(static_cast<std::size_t>(mesh.F.rows()), 0)};
+  for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+    std::fill_n(faces.label.begin() + mesh.parts[p].firstFace, mesh.parts[p].faceCount,
+                static_cast<std::int32_t>(p));
+  }
+  return faces;
+}
+
+// Faces of a part together again, in their order; parts that lost all their faces are gone.
+SurfaceMesh assembled(const LabelledFaces& faces, const SurfaceMesh& original) {
+  SurfaceMesh mesh;
+  mesh.name = original.name;
+  mesh.V = faces.V;
+  std::vector<std::int32_t> order(faces.label.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(
+      order, {}, [&](std::int32_t f) { return faces.label[static_cast<std::size_t>(f)]; });
+  mesh.F.resize(faces.F.rows(), 3);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto f = static_cast<Eigen::Index>(i);
+    mesh.F.row(f) = faces.F.row(order[i]);
+    if (original.parts.empty()) continue;
+    const std::string& name =
+        original.parts[static_cast<std::size_t>(faces.label[static_cast<std::size_t>(order[i])])]
+            .name;
+    const bool begins = i == 0 || faces.label[static_cast<std::size_t>(order[i])] !=
+                                      faces.label[static_cast<std::size_t>(order[i - 1])];
+    if (begins) mesh.parts.push_back({name, static_cast<std::int32_t>(i), 0});
+    ++mesh.parts.back().faceCount;
+  }
+  return compacted(mesh);
+}
+
+class Repair {
+ public:
+  Repair(const SurfaceMesh& mesh, const RepairOptions& options, RunContext& run)
+      : mesh_(mesh), options_(options), run_(run) {}
+
+  Result<RepairedSurface> go() {
+    const Stage stage(run_, "repairing");
+    const SurfaceCheck before = checkSurface(mesh_);
+    if (before.nonFiniteVertices > 0) {
+      return fail(ErrorCode::NonFiniteVertex, before.findings.front().message,
+                  {.object = mesh_.name});
+    }
+    if (mesh_.empty()) return nothingLeft();
+    if (before.unusedVertices > 0) {
+      note(Severity::Note, "unused-vertices",
+           fmt::format("{} vertices belonged to no face", before.unusedVertices), std::nullopt,
+           double(before.unusedVertices));
+    }
+    const double diagonal = boundingBox(mesh_).diagonal();
+    faces_ = labelled(mesh_);
+    if (!before.isSound()) {
+      if (auto ok = mend(diagonal, before); !ok) return passOn(ok);
+    }
+    report("speck", dropSpecks(faces_, options_.speckRel * diagonal),
+           "dropped {} small pieces, up to {:.3g} m across");
+    if (faces_.F.rows() == 0) return nothingLeft();
+    if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
+    report("inward", orientOutward(faces_), "turned {} pieces outward, up to {:.3g} m³");
+
+    RepairedSurface out{.mesh = assembled(faces_, mesh_), .findings = {}};
+    if (auto ok = look(out.mesh); !ok) return passOn(ok);
+    out.findings = std::move(findings_);
+    return out;
+  }
+
+ private:
+  // The order matters: each step may rely on what those before it made true.
+  Result<void> mend(double diagonal, const SurfaceCheck& before) {
+    report("duplicate-vertices", weldEqual(faces_),
+           "merged {} vertices with others at the same place");
+    report("crack", weldBorders(faces_, options_.weldRel * diagonal),
+           "merged {} vertices along cracks, up to {:.3g} m wide");
+    report("degenerate-faces", dropCollapsed(faces_), "dropped {} faces without area");
+    report("duplicate-faces", dropDoubled(faces_),
+           "dropped {} faces that lay upon others or between touching pieces");
+    // Before anything is split or filled, so that a stray face is not taken for a surface
+    report("speck", dropSpecks(faces_, options_.speckRel * diagonal),
+           "dropped {} small pieces, up to {:.3g} m across");
+    if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
+    if (faces_.F.rows() == 0) return {};
+    auto done = makeManifold(faces_, options_.holeRel, run_);
+    if (!done) {
+      Error error = done.error();
+      error.place.object = mesh_.name;
+      return tl::unexpected(std::move(error));
+    }
+    if (before.inconsistentEdges > 0) {
+      note(Severity::Repaired, "inconsistent-orientation",
+           fmt::format("turned faces that looked to opposite sides across {} edges",
+                       before.inconsistentEdges),
+           std::nullopt, double(before.inconsistentEdges));
+    }
+    report("non-manifold", done->split, "split {} vertices where too many faces hung together");
+    report("degenerate-faces", done->flat, "took out {} faces without area");
+    report("hole", done->filled, "filled {} holes, up to {:.3g} m across");
+    return {};
+  }
+
+  // What no repair here can mend, and a skin must not have.
+  Result<void> look(const SurfaceMesh& mesh) {
+    const SurfaceCheck after = checkSurface(mesh);
+    if (options_.mustClose && !after.holes.empty()) {
+      const auto& hole = after.holes.front();
+      const std::size_t others = after.holes.size() - 1;
+      return fail(ErrorCode::SkinNotClosed,
+                  fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; close it where "
+                              "the mesh was made, or have "
+                              "the mesh wrapped",
+                              mesh.name, hole.edges, hole.extent,
+                              others > 0 ? fmt::format(", and {} more", others) : ""),
+                  {.object = mesh.name, .point = hole.place});
+    }
+    for (const Finding& finding : after.findings) {
+      const bool known = finding.kind == "components" || finding.kind == "duplicate-vertices";
+      if (finding.kind == "inward") {
+        note(Severity::Note, "cavity",
+             "an inward piece within an outward one is taken for the wall of a cavity",
+             finding.point, finding.size);
+      } else if (!known) {
+        findings_.push_back(finding);
+      }
+    }
+    return {};
+  }
+
+  void note(Severity severity, const char* kind, std::string message, std::optional<Vector3> point,
+            double size) {
+    findings_.push_back({.severity = severity,
+                         .kind = kind,
+                         .object = mesh_.name,
+                         .message = std::move(message),
+                         .point = point,
+                         .size = size});
+  }
+  void report(const char* kind, const StepReport& step, const char* sentence) {
+    if (step.count == 0) return;
+    note(Severity::Repaired, kind, fmt::format(fmt::runtime(sentence), step.count, step.size),
+         step.place, step.size > 0.0 ? step.size : double(step.count));
+  }
+  [[nodiscard]] tl::unexpected<Error> nothingLeft() const {
+    return fail(ErrorCode::MeshWithoutFaces,
+                fmt::format("\"{}\" has no faces with an area", mesh_.name),
+                {.object = mesh_.name});
+  }
+
+  const SurfaceMesh& mesh_;
+  const RepairOptions& options_;
+  RunContext& run_;
+  LabelledFaces faces_;
+  Findings findings_;
+};
+
+}  // namespace
+
+Result<RepairedSurface> repairSurface(const SurfaceMesh& mesh, const RepairOptions& options,
+                                      RunContext& run) {
+  return Repair(mesh, options, run).go();
+}
+
+}  // namespace ecorche::mesh
