@@ -158,9 +158,12 @@ TEST_CASE("a line in the faces of a grid has one well radius, whichever tet it i
 }
 
 TEST_CASE("the rim of a core reads the line's field at its own radius once tets are fine") {
-  CHECK(wellRim(1.0, 1e-3).equivalent == Approx(1.0).epsilon(1e-3));
-  CHECK(wellRim(1.0, 0.1).equivalent < 1.1);
-  CHECK(wellRim(1.0, 1.0).equivalent > 1.3);
+  CHECK(rimPointCount(1.0, 2.5) == 6);
+  CHECK(rimPointCount(1.0, 0.5) == 13);
+  CHECK(rimRadius(1.0, 0.01, 24) == Approx(1.0).epsilon(0.1));
+  CHECK(rimRadius(1.0, 0.1, 24) == Approx(1.0).epsilon(0.1));
+  // n points of a circle: their distances multiply to n
+  CHECK(rimRadius(1.0, 1e-6, 12) == Approx(std::pow(12.0 * 1e-6, 1.0 / 12.0)).epsilon(1e-6));
   CHECK(wellWeight(0.01, 0.01) == Approx(std::numbers::pi * kWellBeta));
   CHECK(wellWeight(0.01, 0.05) < wellWeight(0.01, 0.02));
 }

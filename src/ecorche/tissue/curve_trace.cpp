@@ -125,7 +125,7 @@ void judgeGaps(const Domain& domain, const CurveTissue& tissue, const CurveWalk&
 // rim, where the field of the line is what the core holds. Points in bone are left out, the others
 // share what is theirs.
 void addRim(const CurveWalker& walker, const Domain& domain, const CoreSample& middle,
-            const Vector3& centre, const WellRim& rim, std::vector<CoreSample>& out) {
+            const Vector3& centre, double rho, double line, std::vector<CoreSample>& out) {
   // Across the tangent, from a corner of the tet, so that the rim turns with the model
   Vector3 across = Vector3::Zero();
   for (int k = 0; k < 4; ++k) {
@@ -136,21 +136,29 @@ void addRim(const CurveWalker& walker, const Domain& domain, const CoreSample& m
   across.normalize();
   const Vector3 third = middle.tangent.cross(across);
 
-  const std::size_t begin = out.size();
-  for (int k = 0; k < rim.count; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / rim.count;
-    const Vector3 p = centre + rim.radius * (std::cos(angle) * across + std::sin(angle) * third);
-    CoreSample sample = middle;
-    sample.tet = walker.find(middle.tet, p);
-    if (sample.tet < 0) continue;
-    sample.barycentric = mesh::barycentric(domain.mesh, sample.tet, p);
-    out.push_back(sample);
+  const double h = walker.meanEdges()[middle.tet];
+  const int count = rimPointCount(rho, h);
+  std::vector<WellPoint> points;
+  for (int k = 0; k < count; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / count;
+    const Vector3 p = centre + rho * (std::cos(angle) * across + std::sin(angle) * third);
+    const std::int32_t tet = walker.find(middle.tet, p);
+    if (tet >= 0) points.push_back({p, tet});
   }
-  if (out.size() == begin) out.push_back(middle);
-  const double share = 1.0 / static_cast<double>(out.size() - begin);
-  for (std::size_t i = begin; i < out.size(); ++i) {
-    out[i].length *= share;
-    out[i].weight *= share;
+  if (points.empty()) points.push_back({centre, middle.tet});
+
+  // Solving pays while a tet is about as large as the core; much finer ones see the rim as it is
+  constexpr double kFineTets = 0.4;
+  const double radius = h > kFineTets * rho ? wellRadius(domain, points, middle.tangent, h)
+                                            : rimRadius(rho, line, static_cast<int>(points.size()));
+  const double weight = wellWeight(rho, radius);
+  for (const WellPoint& point : points) {
+    CoreSample sample = middle;
+    sample.tet = point.tet;
+    sample.barycentric = mesh::barycentric(domain.mesh, point.tet, point.p);
+    sample.length = middle.length / static_cast<double>(points.size());
+    sample.weight = weight * sample.length;
+    out.push_back(sample);
   }
 }
 
@@ -209,9 +217,7 @@ void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue
       sample.weight = wellWeight(rho, line) * sample.length;
       job.samples.push_back(sample);
     } else {
-      const WellRim rim = wellRim(rho, line);
-      sample.weight = wellWeight(rho, rim.equivalent) * sample.length;
-      addRim(walker, domain, sample, middle, rim, job.samples);
+      addRim(walker, domain, sample, middle, rho, line, job.samples);
     }
   }
 }

@@ -16,35 +16,29 @@ inline constexpr double kWellC = 0.41;
 /// Weight per length of a core of radius ρ whose row reads the field of a line at radius r_e ≥ ρ:
 /// 1/w = 1/(πβ) + ln(r_e/ρ) / 2π [Peaceman 1978; D'Angelo & Quarteroni 2008] [unitless].
 [[nodiscard]] inline double wellWeight(double coreRadius, double wellRadius) {
+  // A rim may read a little inside itself; the weight stays finite down to 0.67 ρ
+  const double resolved = std::max(wellRadius, 0.9 * coreRadius);
   return 1.0 / (1.0 / (std::numbers::pi * kWellBeta) +
-                std::log(std::max(wellRadius, coreRadius) / coreRadius) / (2.0 * std::numbers::pi));
+                std::log(resolved / coreRadius) / (2.0 * std::numbers::pi));
 }
 
-/// Points on the rim of a core that the tets resolve, and the radius at which they read the line's
-/// field on average.
-struct WellRim {
-  int count = 6;
-  double radius = 0.0;      ///< ρ [m]
-  double equivalent = 0.0;  ///< [m], at least ρ
-};
+/// How many points of the core's rim stand for it where tets are finer than the core: about one per
+/// edge of the tets.
+[[nodiscard]] inline int rimPointCount(double coreRadius, double h) {
+  return std::clamp(static_cast<int>(std::ceil(2.0 * std::numbers::pi * coreRadius / h)), 6, 24);
+}
 
-/// n lines of flux 1/n around a circle of radius ρ. A tet smears a line over r_e, so a row at
-/// distance d reads it as −ln √(d² + r_e²) / 2π: at r_e its own, exactly its distance from afar;
-/// the mean over the rim gives the equivalent radius.
-[[nodiscard]] inline WellRim wellRim(double coreRadius, double wellRadius) {
-  WellRim rim;
-  rim.radius = coreRadius;
-  // About one point per edge of the tets
-  const double edges = 2.0 * std::numbers::pi * coreRadius * kWellC / wellRadius;
-  rim.count = std::clamp(static_cast<int>(std::ceil(edges)), 6, 24);
+/// Where tets are much finer than the core the rim needs no solving: n lines of flux 1/n around a
+/// circle of radius ρ, each smeared over r_e by its tet, so that a row at distance d reads −ln √(d²
+/// + r_e²) / 2π; the radius of their mean.
+[[nodiscard]] inline double rimRadius(double coreRadius, double wellRadius, int count) {
   const double smear = wellRadius / coreRadius;
   double sum = 0.0;
-  for (int k = 0; k < rim.count; ++k) {
-    const double chord = 2.0 * std::sin(std::numbers::pi * k / rim.count);
+  for (int k = 0; k < count; ++k) {
+    const double chord = 2.0 * std::sin(std::numbers::pi * k / count);
     sum += 0.5 * std::log(chord * chord + smear * smear);
   }
-  rim.equivalent = std::max(coreRadius, coreRadius * std::exp(sum / rim.count));
-  return rim;
+  return coreRadius * std::exp(sum / count);
 }
 
 }  // namespace ecorche::tissue

@@ -1,3 +1,4 @@
+#include <ecorche/core/contract.h>
 #include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/well.h>
 #include <ecorche/tissue/well_radius.h>
@@ -54,26 +55,32 @@ class Arrivals {
   std::size_t count_ = 0;
 };
 
-// The tets around p, their vertices, and which of those are unknown. Lengths in reaches, so that
-// units cancel.
+// The tets around the points, their vertices, and which of those are unknown. Lengths in reaches
+// from the centre, so that units cancel.
 struct Patch {
   struct Node {
-    Vector3 at;        // from p
+    Vector3 at;
     bool free = true;  // within reach and not on the boundary
     std::int32_t row = -1;
     double line = 0.0;  // the line's field where it is prescribed
   };
-  std::vector<std::array<std::int32_t, 4>> tets;  // nodes of each; the first holds p
+  std::vector<std::array<std::int32_t, 4>> tets;  // nodes of each
   std::vector<Node> nodes;
   std::int32_t rowCount = 0;
 };
 
-Patch gather(const Domain& domain, std::int32_t tet, const Vector3& p, double reach) {
+// The first tets are those of the points, in their order (once each).
+Patch gather(const Domain& domain, std::span<const WellPoint> points, const Vector3& centre,
+             double reach, std::vector<std::int32_t>& tetOfPoint) {
   Patch patch;
   Arrivals nodeOf;
   Arrivals seen;
-  std::vector<std::int32_t> queue{tet};
-  (void)seen.add(tet);
+  std::vector<std::int32_t> queue;
+  for (const WellPoint& point : points) {
+    const auto [place, fresh] = seen.add(point.tet);
+    if (fresh) queue.push_back(point.tet);
+    tetOfPoint.push_back(place);
+  }
   // The star of a vertex hangs together through faces, so tets with a corner within reach are found
   // face by face
   for (std::size_t i = 0; i < queue.size(); ++i) {
@@ -82,7 +89,7 @@ Patch gather(const Domain& domain, std::int32_t tet, const Vector3& p, double re
       const std::int32_t v = domain.mesh.T(queue[i], k);
       const auto [place, fresh] = nodeOf.add(v);
       if (fresh) {
-        const Vector3 at = (domain.mesh.V.row(v).transpose() - p) / reach;
+        const Vector3 at = (domain.mesh.V.row(v).transpose() - centre) / reach;
         patch.nodes.push_back({at, at.squaredNorm() < 1.0, -1, 0.0});
       }
       n[static_cast<std::size_t>(k)] = place;
@@ -109,76 +116,113 @@ Patch gather(const Domain& domain, std::int32_t tet, const Vector3& p, double re
   return patch;
 }
 
+// Barycentric coordinates in a tet as linear functions of place: λ(x) = at + slopes x. A sliver's
+// volume is floored, as everywhere.
+struct TetFrame {
+  Eigen::Matrix<double, 4, 3> slopes;
+  Eigen::Vector4d at;
+  double V;
+
+  TetFrame(const Patch& patch, std::size_t t) {
+    std::array<Vector3, 4> p;
+    for (std::size_t k = 0; k < 4; ++k)
+      p[k] = patch.nodes[static_cast<std::size_t>(patch.tets[t][k])].at;
+    const Vector3 e1 = p[1] - p[0];
+    const Vector3 e2 = p[2] - p[0];
+    const Vector3 e3 = p[3] - p[0];
+    slopes.row(1) = e2.cross(e3).transpose() / 6.0;
+    slopes.row(2) = e3.cross(e1).transpose() / 6.0;
+    slopes.row(3) = e1.cross(e2).transpose() / 6.0;
+    slopes.row(0) = -(slopes.row(1) + slopes.row(2) + slopes.row(3));
+    V = std::max(e1.dot(slopes.row(1)), mesh::kFlattest);
+    slopes *= 1.0 / V;
+    for (int k = 0; k < 4; ++k)
+      at[k] = -slopes.row(k).dot(p[static_cast<std::size_t>((k + 1) % 4)]);
+  }
+};
+
+// Adds the part of a line of the given flux through x that lies inside the tet to the right-hand
+// side
+void addLine(const TetFrame& frame, const Vector3& x, const Vector3& tangent, double flux,
+             const std::array<std::int32_t, 4>& rows, Eigen::VectorXd& b) {
+  const Eigen::Vector4d at = frame.at + frame.slopes * x;
+  const Eigen::Vector4d slope = frame.slopes * tangent;
+  double s0 = -std::numeric_limits<double>::infinity();
+  double s1 = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 4; ++k) {
+    const double s = -at[k] / slope[k];
+    if (slope[k] > 0.0) s0 = std::max(s0, s);
+    if (slope[k] < 0.0) s1 = std::min(s1, s);
+    if (slope[k] == 0.0 && at[k] < 0.0) return;
+  }
+  if (!(s1 > s0) || !std::isfinite(s1 - s0)) return;
+  // Coordinates are linear along the piece: its middle stands for it
+  const Eigen::Vector4d middle = at + 0.5 * (s0 + s1) * slope;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (rows[k] >= 0) b[rows[k]] += flux * (s1 - s0) * middle[static_cast<int>(k)];
+  }
+}
+
 }  // namespace
 
-double wellRadius(const Domain& domain, std::int32_t tet, const Vector3& p, const Vector3& tangent,
+double wellRadius(const Domain& domain, std::span<const WellPoint> points, const Vector3& tangent,
                   double h) {
-  const double reach = kWellReach * h;
-  Patch patch = gather(domain, tet, p, reach);
+  EC_REQUIRE(!points.empty());
+  const double flux = 1.0 / static_cast<double>(points.size());
+  Vector3 centre = Vector3::Zero();
+  for (const WellPoint& point : points) centre += flux * point.p;
+  double spread = 0.0;
+  for (const WellPoint& point : points) spread = std::max(spread, (point.p - centre).norm());
+  const double reach = std::max(kWellReach * h, spread + h);
+  std::vector<std::int32_t> tetOfPoint;
+  Patch patch = gather(domain, points, centre, reach, tetOfPoint);
 
-  // Field of a line of unit flux; a vertex of the boundary may lie on the line itself
+  // A line in a common face would count twice or not at all, so each is moved into the tet of its
+  // point by a hair
+  std::vector<Vector3> line;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Vector3 middle = Vector3::Zero();
+    for (const std::int32_t n : patch.tets[static_cast<std::size_t>(tetOfPoint[i])]) {
+      middle += 0.25 * patch.nodes[static_cast<std::size_t>(n)].at;
+    }
+    const Vector3 x = (points[i].p - centre) / reach;
+    line.push_back(x + 1e-6 * (middle - x));
+  }
+  // Exact field where it is prescribed; a vertex of the boundary may lie on a line itself
   for (Patch::Node& node : patch.nodes) {
     if (node.free) continue;
-    const double r = (node.at - node.at.dot(tangent) * tangent).norm();
-    node.line = -std::log(std::max(r, 0.1)) / (2.0 * std::numbers::pi);
+    for (const Vector3& x : line) {
+      const Vector3 to = node.at - x;
+      const double r = (to - to.dot(tangent) * tangent).norm();
+      node.line -= flux * std::log(std::max(r, 0.1)) / (2.0 * std::numbers::pi);
+    }
   }
+
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(patch.rowCount, patch.rowCount);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(patch.rowCount);
-  Eigen::Vector4d own;  // barycentric coordinates of p in its tet
-  Vector3 nudge = Vector3::Zero();
   for (std::size_t t = 0; t < patch.tets.size(); ++t) {
+    const TetFrame frame(patch, t);
     std::array<const Patch::Node*, 4> node{};
+    std::array<std::int32_t, 4> rows{};
     for (std::size_t k = 0; k < 4; ++k) {
       node[k] = &patch.nodes[static_cast<std::size_t>(patch.tets[t][k])];
+      rows[k] = node[k]->row;
     }
-    // Rows of G are V ∇λ, since slivers have next to no V: n / 3 with n the face normals
-    const Vector3 e1 = node[1]->at - node[0]->at;
-    const Vector3 e2 = node[2]->at - node[0]->at;
-    const Vector3 e3 = node[3]->at - node[0]->at;
-    Eigen::Matrix<double, 4, 3> VG;
-    VG.row(1) = e2.cross(e3).transpose() / 6.0;
-    VG.row(2) = e3.cross(e1).transpose() / 6.0;
-    VG.row(3) = e1.cross(e2).transpose() / 6.0;
-    VG.row(0) = -(VG.row(1) + VG.row(2) + VG.row(3));
-    const double V = std::max(e1.dot(VG.row(1)), mesh::kFlattest);
-    const double perV = 1.0 / V;
     for (std::size_t i = 0; i < 4; ++i) {
-      if (node[i]->row < 0) continue;
+      if (rows[i] < 0) continue;
       for (std::size_t j = 0; j < 4; ++j) {
-        if (node[j]->row > node[i]->row) continue;  // the lower triangle is enough
-        const double k = perV * VG.row(static_cast<int>(i)).dot(VG.row(static_cast<int>(j)));
-        if (node[j]->row >= 0) {
-          K(node[i]->row, node[j]->row) += k;
+        if (rows[j] > rows[i]) continue;  // the lower triangle is enough
+        const double k =
+            frame.V *
+            frame.slopes.row(static_cast<int>(i)).dot(frame.slopes.row(static_cast<int>(j)));
+        if (rows[j] >= 0) {
+          K(rows[i], rows[j]) += k;
         } else {
-          b[node[i]->row] -= k * node[j]->line;
+          b[rows[i]] -= k * node[j]->line;
         }
       }
     }
-    Eigen::Vector4d at;
-    for (int k = 0; k < 4; ++k) {
-      at[k] = -VG.row(k).dot(node[static_cast<std::size_t>((k + 1) % 4)]->at) * perV;
-    }
-    if (t == 0) {
-      own = at;
-      nudge = 1e-6 * 0.25 * (node[0]->at + node[1]->at + node[2]->at + node[3]->at);
-    }
-    // The piece of line inside: coordinates are linear along it. A line in a common face would
-    // count twice or not at all, so it is moved into the tet of p by a hair.
-    at += perV * (VG * nudge);
-    const Eigen::Vector4d slope = perV * (VG * tangent);
-    double s0 = -std::numeric_limits<double>::infinity();
-    double s1 = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 4; ++k) {
-      const double s = -at[k] / slope[k];
-      if (slope[k] > 0.0) s0 = std::max(s0, s);
-      if (slope[k] < 0.0) s1 = std::min(s1, s);
-      if (slope[k] == 0.0 && at[k] < 0.0) s1 = s0;
-    }
-    if (!(s1 > s0) || !std::isfinite(s1 - s0)) continue;
-    const Eigen::Vector4d middle = at + 0.5 * (s0 + s1) * slope;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (node[k]->row >= 0) b[node[k]->row] += (s1 - s0) * middle[static_cast<int>(k)];
-    }
+    for (const Vector3& x : line) addLine(frame, x, tangent, flux, rows, b);
   }
 
   const double guess = kWellC * h;
@@ -186,13 +230,25 @@ double wellRadius(const Domain& domain, std::int32_t tet, const Vector3& p, cons
   if (factor.info() != Eigen::Success) return guess;
   const Eigen::VectorXd u = factor.solve(b);
   double reads = 0.0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Patch::Node& node = patch.nodes[static_cast<std::size_t>(patch.tets[0][k])];
-    reads += own[static_cast<int>(k)] * (node.row >= 0 ? u[node.row] : node.line);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto t = static_cast<std::size_t>(tetOfPoint[i]);
+    const TetFrame frame(patch, t);
+    const Eigen::Vector4d own = frame.at + frame.slopes * ((points[i].p - centre) / reach);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Patch::Node& node = patch.nodes[static_cast<std::size_t>(patch.tets[t][k])];
+      reads += flux * own[static_cast<int>(k)] * (node.row >= 0 ? u[node.row] : node.line);
+    }
   }
   const double radius = reach * std::exp(-2.0 * std::numbers::pi * reads);
-  if (!std::isfinite(radius)) return guess;
-  return std::clamp(radius, kLeastWell * guess, guess / kLeastWell);
+  if (!std::isfinite(radius)) return std::max(guess, spread);
+  return std::clamp(radius, std::max(kLeastWell * guess, 0.9 * spread),
+                    guess / kLeastWell + spread);
+}
+
+double wellRadius(const Domain& domain, std::int32_t tet, const Vector3& p, const Vector3& tangent,
+                  double h) {
+  const WellPoint point{p, tet};
+  return wellRadius(domain, std::span(&point, 1), tangent, h);
 }
 
 }  // namespace ecorche::tissue

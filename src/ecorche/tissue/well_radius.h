@@ -2,7 +2,15 @@
 
 #include <ecorche/domain/domain.h>
 
+#include <span>
+
 namespace ecorche::tissue {
+
+/// A point of a core and the tet that holds it.
+struct WellPoint {
+  mesh::Vector3 p;
+  std::int32_t tet = -1;
+};
 
 /// The radius at which the field of a straight line has the value that the row at p reads [m], by
 /// solving the tets around p.
@@ -18,6 +26,10 @@ namespace ecorche::tissue {
 /// @param h        mean edge of the tet [m]
 [[nodiscard]] double wellRadius(const domain::Domain& domain, std::int32_t tet,
                                 const mesh::Vector3& p, const mesh::Vector3& tangent, double h);
+/// The same for several rows that share the flux of one line, each on a line of its own: their mean
+/// reading.
+[[nodiscard]] double wellRadius(const domain::Domain& domain, std::span<const WellPoint> points,
+                                const mesh::Vector3& tangent, double h);
 
 /// How far around a row the tets are solved, in mean edges [unitless].
 inline constexpr double kWellReach = 1.5;
