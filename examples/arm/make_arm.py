@@ -24,6 +24,9 @@ import arm_skin  # noqa: E402
 from arm_muscles import MUSCLES  # noqa: E402
 
 
+LEAST = 0.25  # a curve of a lower value would lose its place to a strong neighbour
+
+
 def metres(mesh):
     mesh.apply_scale(0.001)
     return ms.rounded(mesh)
@@ -95,7 +98,7 @@ def tissue(muscle, placed, factor, side="left"):
     if muscle.anisotropy:
         entry["anisotropy"] = dict(zip(("lambda2", "lambda3", "rotation"), muscle.anisotropy))
     entry["curves"] = [
-        pj.curve(head.name, at, factor * value, *[("plane" if name == "median" else "bone", name) for name in ends])
+        pj.curve(head.name, at, np.maximum(LEAST, factor * value), *[("plane" if name == "median" else "bone", name) for name in ends])
         for (owner, head), at, value, ends in zip(*placed) if owner is muscle
     ]
     return entry

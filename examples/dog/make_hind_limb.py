@@ -3,9 +3,10 @@
 Reads the artist's muscles and attachment sites (ECORCHE_DATA, default ../shared/data beside the project), which are
 not part of the project: what is written here are coordinates derived from them. Run after script/fetch-dog.
 
-    python3 make_hind_limb.py [values.json]
+    python3 make_hind_limb.py
 
-values.json holds one factor per muscle (see fit_values.py); without it all muscles start alike.
+values.json holds one factor on each muscle's tissue values (common/fit_values.py finds them); without it all muscles
+start alike.
 """
 import csv
 import json
@@ -26,6 +27,7 @@ from sections import Sections  # noqa: E402
 
 DATA = pathlib.Path(os.environ.get("ECORCHE_DATA", HERE.parents[2] / "shared" / "data")) / "dog"
 EDGE = -0.2  # the region of interest ends here [m]
+LEAST = 0.25  # a curve of a lower value would lose its place to a strong neighbour
 PLANES = {"median": ((0, 0, 0), (0, 1, 0)), "edge": ((EDGE, 0, 0), (-1, 0, 0))}
 
 
@@ -155,7 +157,8 @@ def anchor(name, bones):
 
 
 def main():
-    factors = json.loads(pathlib.Path(sys.argv[1]).read_text()) if len(sys.argv) > 1 else {}
+    fitted = HERE / "values.json"
+    factors = json.loads(fitted.read_text()) if fitted.exists() else {}
     bones, sites = load_bones(), load_sites()
     body = trimesh.load(DATA / "SKINbody.stl")
     skin = cv.Surface(body.vertices, body.faces)
@@ -190,7 +193,7 @@ def main():
             if owner is not muscle:
                 continue
             ends = [anchor(b, bones) for b in (head.start.bone, head.end.bone)]
-            entry["curves"].append(pj.curve(head.name, at, factor * value, *ends))
+            entry["curves"].append(pj.curve(head.name, at, np.maximum(LEAST, factor * value), *ends))
         tissues.append(entry)
 
     pj.save(HERE / "hind-limb.ecorche", {
