@@ -3,6 +3,7 @@
 #include <ecorche/render/gpu_scene.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ecorche::render {
@@ -46,6 +47,26 @@ void storeNormal(const mesh::Directions& normals, Eigen::Index row, std::int16_t
   for (Eigen::Index c = 0; c < 3; ++c)
     out[c] =
         static_cast<std::int16_t>(std::lround(32767.0 * std::clamp(normals(row, c), -1.0, 1.0)));
+}
+
+// Every directed edge once in either direction, and volume above 0. Sums of hashes stand for the
+// set of edges: what is open passes with a chance of 2⁻⁶⁴.
+bool isClosedOutward(const mesh::SurfaceMesh& m) {
+  const auto hash = [](std::int32_t a, std::int32_t b) {
+    std::uint64_t x = static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32 |
+                      static_cast<std::uint32_t>(b);
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;  // splitmix64 [Steele, Lea, Flood 2014]
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+  };
+  std::uint64_t sum = 0;
+  for (Eigen::Index f = 0; f < m.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t a = m.F(f, k);
+      const std::int32_t b = m.F(f, (k + 1) % 3);
+      sum += hash(a, b) - hash(b, a);
+    }
+  return sum == 0 && mesh::signedVolume(m.V, m.F) > 0.0;
 }
 
 void fill(const gl::Buffer& buffer, GLenum target, const void* data, std::size_t bytes) {
@@ -139,23 +160,24 @@ bool clipSegment(const ClipPlane& clip, mesh::Vector3& a, mesh::Vector3& b) {
 
 }  // namespace
 
-const ShadingMesh& GpuScene::prepare(const SurfaceItem& item) {
+const GpuScene::Prepared& GpuScene::prepare(const SurfaceItem& item) {
   Prepared& p = prepared_[item.mesh.get()];
   const bool fresh = p.mesh == item.mesh && p.normals == item.normals &&
                      p.revision == item.revision && p.creaseDeg == item.creaseDeg &&
                      p.smoothing == item.normalSmoothing;
   p.used = true;
-  if (fresh) return p.shading;
+  if (fresh) return p;
 
   p.mesh = item.mesh;
   p.normals = item.normals;
   p.revision = item.revision;
   p.creaseDeg = item.creaseDeg;
   p.smoothing = item.normalSmoothing;
+  p.closed = isClosedOutward(*item.mesh);
   if (!item.normals) {
     p.shading =
         shadingMesh(*item.mesh, {.creaseDeg = item.creaseDeg, .smoothing = item.normalSmoothing});
-    return p.shading;
+    return p;
   }
   EC_REQUIRE_EQ(item.normals->rows(), item.mesh->V.rows());
   p.shading.vertex.resize(static_cast<std::size_t>(item.mesh->V.rows()));
@@ -163,7 +185,7 @@ const ShadingMesh& GpuScene::prepare(const SurfaceItem& item) {
     p.shading.vertex[v] = static_cast<std::int32_t>(v);
   p.shading.normals = *item.normals;
   p.shading.F = item.mesh->F;
-  return p.shading;
+  return p;
 }
 
 Result<void> GpuScene::upload(const Scene& scene) {
@@ -195,17 +217,23 @@ void GpuScene::uploadSurfaces(const Scene& scene) {
   Gathered opaque;
   Gathered veils;
   std::vector<float> materials;
-  std::vector<std::size_t> order;  // casters first, so that shadows draw a prefix
-  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) order.push_back(i);
-  std::stable_partition(order.begin(), order.end(),
-                        [&](std::size_t i) { return scene.surfaces[i].castsShadow; });
+  std::vector<std::size_t> order(scene.surfaces.size());
+  std::vector<int> rank;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    order[i] = i;
+    const SurfaceItem& item = scene.surfaces[i];
+    rank.push_back(!item.castsShadow ? 2 : prepare(item).closed ? 0 : 1);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
 
-  std::size_t casterEnd = 0;
+  std::array<std::size_t, 3> end{};
   for (const std::size_t i : order) {
     const SurfaceItem& item = scene.surfaces[i];
-    const bool veil = isTransparent(item);
-    append(item, prepare(item), static_cast<std::uint16_t>(i), origin_, veil ? veils : opaque);
-    if (item.castsShadow) casterEnd = opaque.indices.size();
+    append(item, prepare(item).shading, static_cast<std::uint16_t>(i), origin_,
+           isTransparent(item) ? veils : opaque);
+    for (auto r = static_cast<std::size_t>(rank[i]); r < end.size(); ++r)
+      end[r] = opaque.indices.size();
   }
   for (const SurfaceItem& item : scene.surfaces) {
     const Rgba colour = item.faceColours ? Rgba{1.0f, 1.0f, 1.0f, 1.0f} : item.colour;
@@ -218,7 +246,8 @@ void GpuScene::uploadSurfaces(const Scene& scene) {
 
   render::upload(opaque, opaque_);
   render::upload(veils, veils_);
-  opaque_.casterCount = static_cast<GLsizei>(casterEnd);
+  opaque_.closedCount = static_cast<GLsizei>(end[0]);
+  opaque_.casterCount = static_cast<GLsizei>(end[1]);
   corners_.resize(opaque.indices.size());
   for (std::size_t i = 0; i < corners_.size(); ++i)
     corners_[i] = Eigen::Vector3f::Map(opaque.vertices[opaque.indices[i]].position);

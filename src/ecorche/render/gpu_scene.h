@@ -16,8 +16,10 @@ struct TriangleBatch {
   gl::VertexArray array;
   gl::Buffer vertices;
   gl::Buffer indices;
+  // Indices in this order: closed items that cast shadows, open items that cast shadows, the rest
+  GLsizei closedCount = 0;  ///< backs of these never show, unless something is cut open
+  GLsizei casterCount = 0;  ///< with the open ones
   GLsizei indexCount = 0;
-  GLsizei casterCount = 0;  ///< the first indices belong to items that cast shadows
 };
 
 /// Instances of segments or balls; those on top are drawn last, over everything.
@@ -59,6 +61,7 @@ class GpuScene {
     double creaseDeg = 0.0;
     int smoothing = 0;
     ShadingMesh shading;
+    bool closed = false;
     bool used = false;
   };
 
@@ -73,7 +76,7 @@ class GpuScene {
   std::vector<Eigen::Vector3f> corners_;
   std::map<const mesh::SurfaceMesh*, Prepared> prepared_;
 
-  const ShadingMesh& prepare(const SurfaceItem& item);
+  const Prepared& prepare(const SurfaceItem& item);
   void uploadSurfaces(const Scene& scene);
   void uploadLines(const Scene& scene);
   void uploadPoints(const Scene& scene);

@@ -13,8 +13,8 @@ using mesh::Vector3;
 const Eigen::Vector3f kKeyColour{1.0f, 0.965f, 0.91f};
 const Eigen::Vector3f kRimColour{0.86f, 0.93f, 1.0f};
 const Eigen::Vector3f kSkyAbove{0.98f, 0.99f, 1.0f};
-const Eigen::Vector3f kSkyBelow{0.50f, 0.45f, 0.42f};
-constexpr float kKeyShare = 0.56f;  // of what the reference surface receives; the rest is sky
+const Eigen::Vector3f kSkyBelow{0.42f, 0.37f, 0.35f};
+constexpr float kKeyShare = 0.60f;  // of what the reference surface receives; the rest is sky
 constexpr float kRimIrradiance = 0.30f;
 
 double fraction(double x) { return x - std::floor(x); }

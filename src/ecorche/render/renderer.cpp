@@ -5,6 +5,7 @@
 #include <ecorche/render/renderer.h>
 #include <ecorche/render/shaders.h>
 #include <ecorche/render/shadow_fit.h>
+#include <ecorche/render/slice.h>
 #include <ecorche/render/views.h>
 
 #include <Eigen/Geometry>
@@ -128,6 +129,7 @@ struct Renderer::Impl {
   ShadowFocus focus;
   double lowest = 0.0;  // along options.ground
   int passesDone = 0;
+  int passesPerLights = 1;
 
   // Set anew for every pass
   Eigen::Matrix4f worldToClip, clipToWorld;
@@ -148,6 +150,7 @@ struct Renderer::Impl {
   void setLights(const gl::Program& p) const;
   void setClip(const gl::Program& p) const;
   void drawScreen() const;
+  void drawOpaque(GLsizei count) const;
   void drawTubes(const gl::Program& p, bool onTop) const;
   void drawBalls(const gl::Program& p, bool onTop) const;
 };
@@ -167,20 +170,19 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
   clip = newScene.clip;
   background = newScene.background;
   passesDone = 0;
-  if (auto ok = scene.upload(newScene); !ok) return ok;
+  if (auto ok = scene.upload(withCaps(newScene)); !ok) return ok;
   if (targets.width != o.width || targets.height != o.height) {
     auto made = Targets::make(o.width, o.height);
     if (!made) return passOn(made);
     targets = std::move(*made);
   }
 
-  // Shadows cost a drawing of everything per direction: large scenes get fewer of them
+  // Shadows cost a drawing of everything per direction: in large scenes several passes share them
   const GLsizei triangles = scene.opaque().casterCount / 3;
-  const int lightCount = std::clamp(o.lightsPerPass.value_or(triangles > 1'500'000 ? 6
-                                                             : triangles > 500'000 ? 8
-                                                                                   : 10),
-                                    4, glsl::kMaxLights);
-  rig = {.passes = o.samples,
+  const int lightCount =
+      std::clamp(o.lightsPerPass.value_or(triangles > 750'000 ? 8 : 10), 4, glsl::kMaxLights);
+  passesPerLights = triangles > 1'500'000 ? 4 : triangles > 250'000 ? 2 : 1;
+  rig = {.passes = (o.samples + passesPerLights - 1) / passesPerLights,
          .keyPerPass = lightCount >= 8 ? 2 : 1,
          .rimPerPass = 1,
          .skyPerPass = lightCount - (lightCount >= 8 ? 3 : 2),
@@ -257,6 +259,22 @@ void Renderer::Impl::drawScreen() const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+// The first `count` indices. Backs of closed surfaces are hidden, from lamps too, and half of all
+// triangles.
+void Renderer::Impl::drawOpaque(GLsizei count) const {
+  const GLsizei closed = clip ? 0 : std::min(count, scene.opaque().closedCount);
+  glBindVertexArray(scene.opaque().array.id());
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  glEnable(GL_CULL_FACE);
+  if (closed > 0) glDrawElements(GL_TRIANGLES, closed, GL_UNSIGNED_INT, nullptr);
+  glDisable(GL_CULL_FACE);
+  if (count > closed)
+    glDrawElements(
+        GL_TRIANGLES, count - closed, GL_UNSIGNED_INT,
+        reinterpret_cast<const void*>(static_cast<std::size_t>(closed) * sizeof(std::uint32_t)));
+}
+
 void Renderer::Impl::drawTubes(const gl::Program& p, bool onTop) const {
   const InstanceBatch& batch = scene.tubes(onTop);
   if (batch.count == 0) return;
@@ -280,11 +298,6 @@ void Renderer::Impl::pass() {
                                            scene.origin(), jitterOf(passesDone, options.samples));
   worldToClip = m.cast<float>();
   clipToWorld = m.inverse().cast<float>();
-  lights = lightsOfPass(camera, rig, passesDone);
-  maps.clear();
-  for (const LightSample& light : lights)
-    maps.push_back(shadowMap(focus, light.direction, shadowSize));
-
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   glDisable(GL_STENCIL_TEST);
@@ -294,7 +307,13 @@ void Renderer::Impl::pass() {
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  drawShadows();
+  if (passesDone % passesPerLights == 0) {
+    lights = lightsOfPass(camera, rig, passesDone / passesPerLights);
+    maps.clear();
+    for (const LightSample& light : lights)
+      maps.push_back(shadowMap(focus, light.direction, shadowSize));
+    drawShadows();
+  }
   glViewport(0, 0, options.width, options.height);
   drawSeen();
   shade();
@@ -312,23 +331,16 @@ void Renderer::Impl::drawShadows() {
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_DEPTH_CLAMP);  // what stands between lamp and picture but outside the fitted box
                              // shades all the same
-  // The side towards the lamp shades as well as both do, and is half the work; what was cut open
-  // has only one side left
-  if (!clip) glEnable(GL_CULL_FACE);
-  glCullFace(GL_BACK);
-  glFrontFace(GL_CCW);
   programs.shadow.use();
   setClip(programs.shadow);
-  glBindVertexArray(scene.opaque().array.id());
   for (std::size_t i = 0; i < maps.size(); ++i) {
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows.id(), 0,
                               static_cast<GLint>(i));
     glClear(GL_DEPTH_BUFFER_BIT);
     programs.shadow.setMatrix("uViewProjection", maps[i].worldToClip.data());
-    glDrawElements(GL_TRIANGLES, scene.opaque().casterCount, GL_UNSIGNED_INT, nullptr);
+    drawOpaque(scene.opaque().casterCount);
   }
   glDisable(GL_DEPTH_CLAMP);
-  glDisable(GL_CULL_FACE);
 }
 
 void Renderer::Impl::drawSeen() {
@@ -341,8 +353,7 @@ void Renderer::Impl::drawSeen() {
   setEye(p);
   setClip(p);
   p.setTexture("uMaterials", 0, GL_TEXTURE_BUFFER, scene.materials());
-  glBindVertexArray(scene.opaque().array.id());
-  glDrawElements(GL_TRIANGLES, scene.opaque().indexCount, GL_UNSIGNED_INT, nullptr);
+  drawOpaque(scene.opaque().indexCount);
   glDisable(GL_CLIP_DISTANCE0);
   drawTubes(programs.tube, false);
   drawBalls(programs.ball, false);
@@ -361,7 +372,7 @@ void Renderer::Impl::shade() {
   p.setMatrix("uShadowMatrix", matrices.data(), static_cast<int>(maps.size()));
   const float texel = static_cast<float>(focus.diameter()) / static_cast<float>(shadowSize);
   p.set("uTexel", {texel, texel / static_cast<float>(focus.depth())}, 2);
-  p.set("uBounce", 0.45f);
+  p.set("uBounce", 0.32f);
   p.set("uOutline", options.outline);
   p.set("uSkyAbove", {0.85f, 0.87f, 0.90f}, 3);
   p.set("uSkyBelow", {0.20f, 0.18f, 0.17f}, 3);
@@ -410,7 +421,8 @@ void Renderer::Impl::drawVeils() {
     glEndQuery(GL_SAMPLES_PASSED);
     GLuint count = 0;
     glGetQueryObjectuiv(drawn.id(), GL_QUERY_RESULT, &count);
-    if (count == 0) break;
+    // Single pixels at folds are not worth a layer
+    if (count < static_cast<GLuint>(layer * (options.width * options.height / 5000)) + 1) break;
 
     // Under what was peeled before
     glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());

@@ -28,8 +28,12 @@ struct SurfaceItem {
   double creaseDeg =
       60.0;  ///< edges that turn by more stay sharp; not used with `normals` [degrees]
   int normalSmoothing =
-      0;                ///< rounds of averaging normals with neighbours; not used with `normals`
-  bool clipped = true;  ///< false: the clip plane leaves it alone (caps)
+      0;  ///< rounds of averaging normals with neighbours; not used with `normals`
+  /// Closed, and to be seen as massive: where the clip plane opens it, the cut is filled with
+  /// `capColour` (unset: its own colour). Opaque items only.
+  bool capped = false;
+  std::optional<Rgba> capColour;
+  bool clipped = true;      ///< false: the clip plane leaves it alone (caps)
   bool castsShadow = true;  ///< opaque surfaces only
   std::uint64_t revision = 0;
 };
