@@ -504,3 +504,61 @@ TEST_CASE("a line in faces and edges of tets is measured once") {
     CHECK(sum >= 0.2 * (1 - 1e-12));
   }
 }
+
+namespace {
+
+// A muscle of radius 12 mm about a path in a block of fat, cut out of jittered tets with crossings
+// clamped at 1e-3.
+Shape cutMuscle(int cells, const std::function<Vector3(double z)>& path) {
+  ShapeRecipe recipe;
+  recipe.cells = {cells, cells, 3 * cells};
+  recipe.map = [](const Vector3& g) {
+    return Vector3(0.04 * (g.x() - 0.5), 0.04 * (g.y() - 0.5), 0.12 * g.z());
+  };
+  return test::makeCutShape(recipe,
+                            [&](const Vector3& x) { return 0.012 - (x - path(x.z())).norm(); });
+}
+
+tissue::CurveTissue alongPath(const std::function<Vector3(double z)>& path) {
+  std::vector<Vector3> points;
+  for (int k = 0; k <= 6; ++k) points.push_back(path(0.02 * k));
+  return test::muscleAlong("cut", points);
+}
+
+}  // namespace
+
+TEST_CASE("slivers of the subdivision do not spoil fibres") {
+  const auto straight = [](double z) { return Vector3(0.001, -0.0007, z); };
+  for (const int cells : {8, 16}) {
+    const Shape shape = cutMuscle(cells, straight);
+    const FiberField field = fibersOf(shape, {alongPath(straight)}, {test::boneToBone()});
+    checkUnit(shape, field);
+    const auto axis = [](const Vector3&) { return Vector3::UnitZ(); };
+    CHECK(meanAngle(shape, field, axis) < 0.1);
+    CHECK(worstAngle(shape, field, axis) < 10.0);
+    CHECK(field.muscles[0].interiorExtrema == 0);
+    CHECK(field.muscles[0].fiberLength == Approx(0.12).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("unknowns on the domain's tets leave no fibre astray where those on the anatomy's do") {
+  const auto wavy = [](double z) {
+    return Vector3(0.008 * std::sin(std::numbers::pi * z / 0.12) - 0.003, -0.0007, z);
+  };
+  const auto tangent = [](const Vector3& x) {
+    return Vector3(0.008 * std::numbers::pi / 0.12 * std::cos(std::numbers::pi * x.z() / 0.12), 0,
+                   1)
+        .normalized();
+  };
+  const Shape shape = cutMuscle(8, wavy);
+  FiberOptions options;
+  const FiberField field = fibersOf(shape, {alongPath(wavy)}, {test::boneToBone()}, options);
+  options.elements = fiber::FlowElements::AnatomyTets;
+  const FiberField onSlivers = fibersOf(shape, {alongPath(wavy)}, {test::boneToBone()}, options);
+  CHECK(worstAngle(shape, field, tangent) < 20.0);
+  CHECK(worstAngle(shape, onSlivers, tangent) > 90.0);
+  // By volume both are the same muscle
+  CHECK(meanAngle(shape, field, tangent) ==
+        Approx(meanAngle(shape, onSlivers, tangent)).margin(0.2));
+  CHECK(field.muscles[0].fiberLength == Approx(onSlivers.muscles[0].fiberLength).epsilon(2e-3));
+}

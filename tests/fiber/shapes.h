@@ -32,6 +32,14 @@ struct ShapeRecipe {
 
 [[nodiscard]] Shape makeShape(const ShapeRecipe& recipe);
 
+/// As makeShape, with the anatomy cut where a function changes its sign instead of labelled tet by
+/// tet: positive is muscle (kFirstMuscle), the rest fat. Crossings keep `clamp` away from the ends
+/// of their edge, as the envelope's do, so tets are as skinny as those that the envelope leaves.
+/// Inner vertices are moved at random by a share of a cell.
+[[nodiscard]] Shape makeCutShape(const ShapeRecipe& recipe,
+                                 const std::function<double(const mesh::Vector3&)>& inside,
+                                 double clamp = 1e-3, double jitter = 0.2);
+
 /// Square [0, 1]² to a nearly round disc of radius 1 about the origin.
 [[nodiscard]] mesh::Vector3 roundedSection(const mesh::Vector3& grid);
 

@@ -33,6 +33,14 @@ struct CurveEnds {
 /// Ends of one tissue, one pair per curve, in the order of CurveTissue::curves. Empty for fillers.
 using MuscleEnds = std::vector<CurveEnds>;
 
+/// What the unknowns of the flow live on.
+enum class FlowElements : std::uint8_t {
+  /// The domain's tets, each with the muscle's volume inside: well shaped however the envelope cuts them.
+  DomainTets,
+  /// The anatomy's own tets, for comparison: their slivers have gradients of any direction.
+  AnatomyTets,
+};
+
 /// Lengths are shares of the muscle's own thickness, so that neither mesh nor unit matters.
 struct FiberOptions {
   /// γ: how strongly fibres near the drawn curve follow it. 0: smoothness alone [unitless].
@@ -51,6 +59,7 @@ struct FiberOptions {
   /// Components with less than this share of the muscle's volume may lack an end; their fibres
   /// follow the curve.
   double speckShare = 0.01;
+  FlowElements elements = FlowElements::DomainTets;
 };
 
 /// Where fibres of one muscle begin or stop.

@@ -1,9 +1,9 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/fiber/flow_potential.h>
+#include <ecorche/mesh/cholesky.h>
 #include <ecorche/mesh/operators.h>
 
 #include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -64,55 +64,38 @@ bool everyGroupHeld(const Problem& p) {
 
 // Minimises Σ V ∇uᵀ A ∇u with the held nodes at 0 and 1.
 Result<Eigen::VectorXd> solve(const Problem& p, const std::string& name) {
-  const auto nodeCount = static_cast<Eigen::Index>(p.held.size());
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(nodeCount);
-  std::vector<std::int32_t> unknown(p.held.size(), -1);
-  std::int32_t unknownCount = 0;
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.held.size()));
+  std::vector<std::uint8_t> fixed(p.held.size());
   for (std::size_t v = 0; v < p.held.size(); ++v) {
-    if (p.held[v] == Role::None) unknown[v] = unknownCount++;
+    fixed[v] = p.held[v] != Role::None;
     if (p.held[v] == Role::Insertion) u[static_cast<Eigen::Index>(v)] = 1.0;
   }
-  if (unknownCount == 0) return u;
+  const mesh::StiffnessPattern pattern = mesh::stiffnessPattern(p.mesh, fixed);
+  if (pattern.rowCount() == 0) return u;
 
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(10 * static_cast<std::size_t>(p.mesh.T.rows()));
-  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(unknownCount);
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(unknownCount);
+  // Each element counts with the share of it that is muscle
+  mesh::EdgeStiffness K = mesh::edgeStiffness(p.mesh, p.tensor);
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(pattern.rowCount(), 1);
   for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t) {
-    const Eigen::Matrix<double, 4, 3> G = mesh::barycentricGradients(p.mesh, t);
-    const Eigen::Matrix4d K = p.volume[static_cast<std::size_t>(t)] *
-                              (G * p.tensor[static_cast<std::size_t>(t)] * G.transpose());
-    for (int a = 0; a < 4; ++a) {
-      const std::int32_t row = unknown[static_cast<std::size_t>(p.mesh.T(t, a))];
-      if (row < 0) continue;
-      diagonal[row] += K(a, a);
-      for (int b = 0; b < 4; ++b) {
-        const std::int32_t v = p.mesh.T(t, b);
-        const std::int32_t column = unknown[static_cast<std::size_t>(v)];
-        if (column < 0) {
-          rhs[row] -= K(a, b) * u[v];
-        } else if (column <= row) {
-          entries.emplace_back(row, column, K(a, b));
-        }
-      }
+    auto& k = K.k[static_cast<std::size_t>(t)];
+    const double share = p.volume[static_cast<std::size_t>(t)] / mesh::signedVolume(p.mesh, t);
+    for (std::size_t e = 0; e < 6; ++e) {
+      k[e] *= share;
+      const std::int32_t a = p.mesh.T(t, mesh::kTetEdge[e][0]);
+      const std::int32_t b = p.mesh.T(t, mesh::kTetEdge[e][1]);
+      const std::int32_t rowA = pattern.row[static_cast<std::size_t>(a)];
+      const std::int32_t rowB = pattern.row[static_cast<std::size_t>(b)];
+      if (rowA >= 0 && rowB < 0) x(rowA, 0) -= k[e] * u[b];
+      if (rowB >= 0 && rowA < 0) x(rowB, 0) -= k[e] * u[a];
     }
   }
 
-  // Nodes that hang on slivers of muscle have tiny rows: a unit diagonal keeps all pivots
-  // comparable
-  Eigen::VectorXd scale(unknownCount);
-  for (Eigen::Index i = 0; i < unknownCount; ++i) {
-    scale[i] = diagonal[i] > 0.0 ? 1.0 / std::sqrt(diagonal[i]) : 1.0;
-  }
-  for (Eigen::Index i = 0; i < unknownCount; ++i) {
-    // A node that only elements without volume touch pulls at nothing: any value will do
-    if (!(diagonal[i] > 0.0)) entries.emplace_back(i, i, 1.0);
-  }
-  for (auto& e : entries) e = {e.row(), e.col(), e.value() * scale[e.row()] * scale[e.col()]};
-  Eigen::SparseMatrix<double> K(unknownCount, unknownCount);
-  K.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(K);
-  if (factor.info() != Eigen::Success) {
+  // Muscles are solved beside one another: each with one thread, in an order that does not depend
+  // on the others
+  const mesh::SymbolicCholesky symbolic(pattern, mesh::Ordering::MinimumDegree);
+  const mesh::Cholesky factor(symbolic, mesh::assembleStiffness(p.mesh, pattern, K), 1);
+  if (factor.ok()) factor.solveInPlace(x);
+  if (!factor.ok() || !x.allFinite()) {
     return fail(
         ErrorCode::SystemSingular,
         fmt::format("the flow through \"{}\" has no unique solution; its tets are degenerate: "
@@ -120,18 +103,8 @@ Result<Eigen::VectorXd> solve(const Problem& p, const std::string& name) {
                     name),
         {.object = name});
   }
-  const Eigen::VectorXd x = scale.cwiseProduct(factor.solve(scale.cwiseProduct(rhs)));
-  if (!x.allFinite()) {
-    return fail(
-        ErrorCode::SystemSingular,
-        fmt::format("the flow through \"{}\" is not finite; its tets are degenerate: change the "
-                    "resolution",
-                    name),
-        {.object = name});
-  }
-  for (std::size_t v = 0; v < unknown.size(); ++v) {
-    if (unknown[v] >= 0) u[static_cast<Eigen::Index>(v)] = x[unknown[v]];
-  }
+  for (std::int32_t r = 0; r < pattern.rowCount(); ++r)
+    u[pattern.vertex[static_cast<std::size_t>(r)]] = x(r, 0);
   return u;
 }
 
@@ -201,6 +174,9 @@ Discretised discretise(const MuscleMesh& muscle, const SelectedEnds& ends, const
     } else {
       p.tensor[e].setIdentity();
     }
+    // An element that the muscle only touches still has to hold its nodes
+    const double least = 1e-12 * mesh::signedVolume(p.mesh, static_cast<Eigen::Index>(e));
+    p.volume[e] = std::max(p.volume[e], least);
   }
   p.held.assign(d.nodeId.size(), Role::None);
   return d;
@@ -327,10 +303,9 @@ Result<FlowPotential> solveFlow(const MuscleMesh& muscle, const envelope::Anatom
                                 const domain::Domain& domain, const SelectedEnds& ends,
                                 const CurveGuide& guide,
                                 const std::vector<CurveGuide::Nearest>& nearestOfTet,
-                                const FiberOptions& options, const std::string& name,
-                                FlowElements elements) {
+                                const FiberOptions& options, const std::string& name) {
   EC_REQUIRE_EQ(nearestOfTet.size(), muscle.tetId.size());
-  if (elements == FlowElements::AnatomyTets) {
+  if (options.elements == FlowElements::AnatomyTets) {
     return solveOnAnatomyTets(muscle, ends, guide, nearestOfTet, options, name);
   }
   return solveOnDomainTets(muscle, anatomy, domain, ends, guide, nearestOfTet, options, name);

@@ -13,15 +13,6 @@ struct FlowPotential {
   mesh::Positions gradient;  ///< #T×3 of the muscle [1/m]; zero in specks
 };
 
-/// What the unknowns live on.
-enum class FlowElements {
-  /// The domain's tets, each with the muscle's volume inside: well shaped however the envelope cuts
-  /// them.
-  DomainTets,
-  /// The anatomy's own tets. For comparison: their slivers have gradients of any direction.
-  AnatomyTets,
-};
-
 /// @param nearestOfTet  per tet of the muscle, at its centroid
 /// @errors SystemSingular
 [[nodiscard]] Result<FlowPotential> solveFlow(const MuscleMesh& muscle,
@@ -29,7 +20,6 @@ enum class FlowElements {
                                               const domain::Domain& domain,
                                               const SelectedEnds& ends, const CurveGuide& guide,
                                               const std::vector<CurveGuide::Nearest>& nearestOfTet,
-                                              const FiberOptions& options, const std::string& name,
-                                              FlowElements elements = FlowElements::DomainTets);
+                                              const FiberOptions& options, const std::string& name);
 
 }  // namespace ecorche::fiber

@@ -84,8 +84,10 @@ struct SymbolicCholesky::Impl {
   }
 };
 
-SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern) {
+SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern, Ordering ordering) {
   auto impl = std::make_shared<Impl>();
+  impl->common.c.method[0].ordering =
+      ordering == Ordering::MinimumDegree ? CHOLMOD_AMD : CHOLMOD_METIS;
   impl->first = pattern.first;
   impl->index = pattern.index;
   cholmod_sparse K = impl->view(nullptr);

@@ -10,14 +10,24 @@
 
 namespace ecorche::mesh {
 
+/// How rows are ordered before they are eliminated.
+enum class Ordering : std::uint8_t {
+  /// METIS: least work for large systems. It draws random numbers from the process, so analyses that run beside one
+  /// another may differ in their last bits from run to run.
+  NestedDissection,
+  /// AMD: quicker to find, the same whatever runs beside it; for many systems of some ten thousand rows.
+  MinimumDegree,
+};
+
 /// Fill-reducing ordering and elimination tree of a stiffness pattern: what all matrices on it
 /// share.
 ///
-/// CHOLMOD with METIS' nested dissection, supernodal [Chen, Davis, Hager, Rajamanickam 2008].
+/// CHOLMOD, supernodal [Chen, Davis, Hager, Rajamanickam 2008].
 class SymbolicCholesky {
  public:
   /// Copies what it needs; the pattern may go away.
-  explicit SymbolicCholesky(const StiffnessPattern& pattern);
+  explicit SymbolicCholesky(const StiffnessPattern& pattern,
+                            Ordering ordering = Ordering::NestedDissection);
   ~SymbolicCholesky();
   SymbolicCholesky(SymbolicCholesky&&) noexcept;
   SymbolicCholesky& operator=(SymbolicCholesky&&) noexcept;
