@@ -1,6 +1,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/manifoldness.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
@@ -55,7 +56,10 @@ StepReport dropFlat(Mesh& mesh) {
     if (!PMP::is_degenerate_triangle_face(f, mesh)) continue;
     report.see(toVector(mesh.point(mesh.target(mesh.halfedge(f)))));
   }
-  if (report.count > 0) PMP::remove_degenerate_faces(mesh);
+  if (report.count == 0) return report;
+  PMP::remove_degenerate_faces(mesh);
+  PMP::duplicate_non_manifold_vertices(
+      mesh);  // a face that goes at a border may leave two fans behind
   return report;
 }
 

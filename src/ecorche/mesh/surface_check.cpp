@@ -118,7 +118,8 @@ class Checker {
     std::optional<Vector3> crowded;
     std::optional<Vector3> flipped;
     for (std::size_t e = 0; e < edges_.count(); ++e) {
-      const auto [a, b] = edges_.ends[e];
+      const std::int32_t a = edges_.ends[e][0];
+      const std::int32_t b = edges_.ends[e][1];
       const Vector3 place = 0.5 * (at(a) + at(b));
       const std::int32_t faces = edges_.faceCount(e);
       if (faces == 1) ++check_.borderEdges;

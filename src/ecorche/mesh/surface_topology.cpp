@@ -120,8 +120,9 @@ VertexFans vertexFans(const Triangles& F, const SurfaceEdges& edges) {
     if (known != out.fanOfCorner[c]) out.nonManifoldVertices.push_back(v);
   }
   std::ranges::sort(out.nonManifoldVertices);
-  const auto repeated = std::ranges::unique(out.nonManifoldVertices);
-  out.nonManifoldVertices.erase(repeated.begin(), repeated.end());
+  out.nonManifoldVertices.erase(
+      std::unique(out.nonManifoldVertices.begin(), out.nonManifoldVertices.end()),
+      out.nonManifoldVertices.end());
   return out;
 }
 
