@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ecorche::exchange {
 
@@ -31,13 +32,10 @@ struct Original {
   bool closed = false;
 };
 
-// Middles of triangles no larger than `spacing`, and all corners.
+// Points of a face no farther apart than `spacing`, without its corners.
 void sampleFace(const Vector3& a, const Vector3& b, const Vector3& c, double spacing,
                 std::vector<Sample>& out) {
-  const Vector3 area = (b - a).cross(c - a);
-  if (!(area.norm() > 0.0)) return;
-  const Vector3 normal = area.normalized();
-  for (const Vector3& corner : {a, b, c}) out.push_back({corner, normal});
+  const Vector3 normal = (b - a).cross(c - a).normalized();
   const double longest =
       std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
   const auto n = static_cast<int>(std::clamp(std::ceil(longest / spacing), 1.0, 64.0));
@@ -158,9 +156,19 @@ class Deviation {
 
   std::vector<Sample> samplesOf(const mesh::SurfaceMesh& mesh) const {
     std::vector<Sample> samples;
+    std::vector<std::uint8_t> seen(static_cast<std::size_t>(mesh.V.rows()), 0);
     for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-      sampleFace(mesh.V.row(mesh.F(f, 0)).transpose(), mesh.V.row(mesh.F(f, 1)).transpose(),
-                 mesh.V.row(mesh.F(f, 2)).transpose(), spacing_, samples);
+      const Vector3 a = mesh.V.row(mesh.F(f, 0)).transpose();
+      const Vector3 b = mesh.V.row(mesh.F(f, 1)).transpose();
+      const Vector3 c = mesh.V.row(mesh.F(f, 2)).transpose();
+      const Vector3 area = (b - a).cross(c - a);
+      if (!(area.norm() > 0.0)) continue;
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t v = mesh.F(f, k);
+        if (!std::exchange(seen[static_cast<std::size_t>(v)], 1))
+          samples.push_back({mesh.V.row(v).transpose(), area.normalized()});
+      }
+      sampleFace(a, b, c, spacing_, samples);
     }
     return samples;
   }
