@@ -29,13 +29,13 @@ MEDIAN = (np.zeros(3), np.array([0.0, 1.0, 0.0]))
 # Their second point lies straight beside the first: the curve crosses the plane at a right angle, so that the spline
 # that ends on the plane is half of the one that goes through.
 CROSSING = [
-    Muscle("pectoralis_major", "trunk", 2, 290, [
+    Muscle("pectoralis_major", "trunk", 2, [
         Head("upper part", ("median", w(101, 0, -62)), [w(101, 24, -62), w(84, 84, -52), w(40, 150, -30)],
              ("humerus", u(18, 14, 52))),
         Head("lower part", ("median", w(101, 0, -118)), [w(101, 24, -118), w(80, 90, -92), w(38, 148, -62)],
              ("humerus", u(17, 13, 66))),
     ]),
-    Muscle("trapezius", "trunk", 2, 200, [
+    Muscle("trapezius", "trunk", 2, [
         Head("upper part", ("median", w(-88, 0, 18)), [w(-88, 24, 18), w(-86, 62, 34)], ("scapula", s(-40, 28, 24))),
         Head("lower part", ("median", w(-92, 0, -40)), [w(-92, 24, -40), w(-92, 58, -14)], ("scapula", s(-88, 12, 18))),
     ]),

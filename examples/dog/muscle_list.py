@@ -137,7 +137,8 @@ MUSCLES = [
     one("sacrocaudalis_dorsalis_lateralis", "tail", 1, "MUSCm.levator_caudae_longus_L.stl", End("edge"), End("Ca_8"), 6,
         crop=-0.412),
     # Belly
-    one("rectus_abdominis", "belly", 1, "MUSCm.rectus_abdominis_L.stl", End("edge"), End(PELVIS), 4),
+    sheet("rectus_abdominis", "belly", 1, "MUSCm.rectus_abdominis_L.stl", [End("edge")] * 2, [End(PELVIS)] * 2,
+          ["medial part", "lateral part"], 4),
     # What fills the belly and the pelvic canal, so that the muscles around have something to press against
     Muscle("viscera", "belly", 0, [
         Head("dorsal", "", End("edge"), End("free"),
