@@ -2,6 +2,7 @@
 #include <ecorche/render/renderer.h>
 #include <sys/wait.h>
 
+#include <Eigen/Geometry>
 #include <cstdlib>
 
 #include "render/scenes.h"
@@ -135,6 +136,37 @@ TEST_CASE("a transparent surface lets through what its opacity leaves") {
 
     std::swap(scene.surfaces[0], scene.surfaces[1]);
     CHECK(picture(scene, camera, options).at(16, 16) == p);  // the order of drawing does not matter
+  }
+}
+
+// Found as single black pixels on the dog's skin: rounding made a cosine exceed 1, and pow() gave
+// NaN.
+TEST_CASE("surfaces that face the eye and the lamp squarely have no dead pixels") {
+  for (int round = 0; round < 12; ++round) {
+    render::Camera camera = test::straightCamera(0.5);
+    camera.eye = mesh::Vector3(std::sin(0.37 * round), -std::cos(0.37 * round), 0.21 * round) * 3.0;
+    const Vector3 facing = camera.eye.normalized();
+    const Vector3 across = facing.unitOrthogonal();
+    auto square = std::make_shared<mesh::SurfaceMesh>();
+    square->V.resize(3, 3);
+    square->V.row(0) = 4.0 * across;
+    square->V.row(1) = -2.0 * across + 3.4 * facing.cross(across);
+    square->V.row(2) = -2.0 * across - 3.4 * facing.cross(across);
+    square->F.resize(1, 3);
+    square->F << 0, 1, 2;
+    for (const float opacity : {0.1f, 1.0f}) {
+      auto item = test::item(square, {0.6f, 0.5f, 0.4f, opacity});
+      item.edgeOpacity = 0.8f;
+      item.roughness = 0.2f;
+      Scene scene;
+      scene.surfaces = {item,
+                        test::item(test::ball(Vector3::Zero(), 0.2), {0.6f, 0.5f, 0.4f, opacity})};
+      const Image image = picture(scene, camera, test::plainOptions(64, 64));
+      int dead = 0;
+      for (const Pixel& p : image.pixels) dead += luminance(p) < 40 ? 1 : 0;
+      INFO("round " << round << ", opacity " << opacity);
+      CHECK(dead == 0);
+    }
   }
 }
 

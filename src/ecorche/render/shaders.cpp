@@ -35,15 +35,16 @@ uniform int uLamps;                     // the first ones make highlights
 uniform vec3 uLightDirection[MAX_LIGHTS];
 uniform vec3 uLightIrradiance[MAX_LIGHTS];
 
+// Products of unit vectors exceed 1 by a rounding, and pow() of what is then below 0 is no number: hence the clamps.
 // GGX with Smith's height-correlated masking [Walter et al. 2007; Heitz 2014], Schlick's Fresnel with F0 = 0.04.
 float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
   vec3 h = normalize(l + v);
-  float nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 0.05), nh = max(dot(n, h), 0.0);
+  float nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 0.05), nh = clamp(dot(n, h), 0.0, 1.0);
   float a = roughness * roughness, a2 = a * a;
   float d = nh * nh * (a2 - 1.0) + 1.0;
   float D = a2 / (3.14159265 * d * d);
   float V = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2) + 1e-5);
-  float F = 0.04 + 0.96 * pow(1.0 - max(dot(v, h), 0.0), 5.0);
+  float F = 0.04 + 0.96 * pow(1.0 - clamp(dot(v, h), 0.0, 1.0), 5.0);
   return D * V * F * nl;
 }
 )";
@@ -278,7 +279,7 @@ uniform vec3 uSkyAbove;
 uniform vec3 uSkyBelow;
 
 float litShare(int i, vec3 p, vec3 n, float nl) {
-  float slope = clamp(sqrt(1.0 - nl * nl) / max(nl, 0.15), 0.0, 3.0);
+  float slope = clamp(sqrt(max(1.0 - nl * nl, 0.0)) / max(nl, 0.15), 0.0, 3.0);
   vec4 s = uShadowMatrix[i] * vec4(p + n * (1.2 * uTexel.x), 1.0);
   // Float depth maps do not clamp what they compare: beyond the far side nothing shades
   return texture(uShadows, vec4(s.xy, float(i), min(s.z - (0.6 + 0.8 * slope) * uTexel.y, 1.0)));
@@ -342,7 +343,7 @@ void main() {
   vec3 mirror = reflect(-v, n);
   vec3 sky = mix(uSkyBelow, uSkyAbove, smoothstep(-0.4, 0.9, dot(mirror, uUpAxis)));
   float gloss = 1.0 - base.a;
-  float fresnel = 0.04 + (max(gloss, 0.04) - 0.04) * pow(1.0 - nv, 5.0);
+  float fresnel = 0.04 + (max(gloss, 0.04) - 0.04) * pow(1.0 - clamp(nv, 0.0, 1.0), 5.0);
   glint += sky * (fresnel * gloss * open / all);
 
   vec3 light = albedo * received + glint;
@@ -400,7 +401,7 @@ void main() {
   }
   received += mix(uSkyBelow, uSkyAbove, 0.5 + 0.5 * dot(n, uUpAxis));
   float opacity = surface.y < 0.0 ? colour.a
-                                  : mix(colour.a, max(surface.y, colour.a), pow(1.0 - nv, 2.5));
+                                  : mix(colour.a, max(surface.y, colour.a), pow(1.0 - clamp(nv, 0.0, 1.0), 2.5));
   oLight = vec4(colour.rgb * received * opacity + glint * min(1.0, 2.0 * opacity), opacity);
 }
 )";
