@@ -42,6 +42,7 @@ struct Command {
 /// Each command has a file command_<name>.cpp with one function that adds its subcommand, options
 /// and body.
 using Commands = std::vector<Command>;
+void addNew(CLI::App& app, Commands& commands);
 void addInfo(CLI::App& app, Commands& commands);
 void addRun(CLI::App& app, Commands& commands);
 

@@ -3,9 +3,10 @@
 #include <ecorche/model/project_file.h>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <iostream>
-#include <iterator>
+#include <array>
+#include <cerrno>
 #include <nlohmann/json.hpp>
 
 #include "cli.h"
@@ -22,15 +23,26 @@ struct RunOptions {
   std::string output;  // empty: the project itself
 };
 
-Result<std::string> scriptText(const std::string& script) {
+Result<std::string> scriptText(const std::string& script, const RunContext& run) {
   if (script != "-") return readFile(script);
-  return std::string(std::istreambuf_iterator<char>(std::cin), {});
+  // Not std::cin, which sleeps on through Ctrl-C
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (true) {
+    const ssize_t got = read(STDIN_FILENO, buffer.data(), buffer.size());
+    if (run.cancelled()) return fail(ErrorCode::Cancelled, "interrupted; nothing was written");
+    if (got == 0) return text;
+    if (got > 0) text.append(buffer.data(), static_cast<std::size_t>(got));
+    if (got < 0 && errno != EINTR) {
+      return fail(ErrorCode::FileNotReadable, "standard input cannot be read");
+    }
+  }
 }
 
 Result<void> runScript(const RunOptions& options, Session& session) {
   auto project = loadProject(options.project);
   if (!project) return passOn(project);
-  const auto text = scriptText(options.script);
+  const auto text = scriptText(options.script, session.run);
   if (!text) return passOn(text);
   const std::string shown = options.script == "-" ? "standard input" : options.script;
   const auto script = parseScript(*text, shown);

@@ -46,8 +46,10 @@ int runCommand(const Command& command, const Globals& globals) {
   ProgressPrinter printer(globals.quiet);
   RunContext run([&](std::string_view stage, double fraction) { printer.show(stage, fraction); });
   running = &run;
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  struct sigaction action = {};
+  action.sa_handler = interrupt;  // without SA_RESTART: whoever waits for input wakes up
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 
   Session session{globals, run};
   const Result<void> done = command.body(session);
@@ -73,6 +75,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1024));
 
   Commands commands;
+  addNew(app, commands);
   addInfo(app, commands);
   addRun(app, commands);
 

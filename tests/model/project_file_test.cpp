@@ -235,6 +235,8 @@ TEST_CASE("a project moved to another folder names the same meshes") {
   CHECK(meshPath(there, there.bones[1].mesh).lexically_normal() ==
         meshPath(here, here.bones[1].mesh).lexically_normal());
   CHECK(movedTo(there, "work/arm") == here);
+  CHECK(pathFrom("", "meshes/skin.obj") == "meshes/skin.obj");
+  CHECK(pathFrom("a/", "a/skin.obj") == "skin.obj");
 }
 
 TEST_CASE("what could not be loaded again is not written") {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace ecorche::mesh {
 
@@ -146,6 +147,37 @@ double Spline::interpolate(const std::vector<double>& values, double u) const {
   if (s == 0.0) return values[p];
   const double share = (lengthTo(u) - cumulative_[p]) / (cumulative_[p + 1] - cumulative_[p]);
   return (1.0 - share) * values[p] + share * values[p + 1];
+}
+
+double Spline::nearest(const Vector3& x, double u) const {
+  double distance = (at(u) - x).squaredNorm();
+  for (int step = 0; step < 50; ++step) {
+    const Vector3 d = derivative(u);
+    const double next = std::clamp(u - d.dot(at(u) - x) / d.squaredNorm(), 0.0, lastParameter());
+    const double closer = (at(next) - x).squaredNorm();
+    if (!(closer < distance)) break;
+    u = next;
+    distance = closer;
+  }
+  return u;
+}
+
+double Spline::nearest(const Vector3& x) const {
+  // A segment hardly turns within a sixteenth of itself, so the best sample lies in the right
+  // valley
+  constexpr int kPerSegment = 16;
+  double best = 0.0;
+  double bestDistance = std::numeric_limits<double>::infinity();
+  const int count = kPerSegment * static_cast<int>(points_.size() - 1);
+  for (int k = 0; k <= count; ++k) {
+    const double u = static_cast<double>(k) / kPerSegment;
+    const double distance = (at(u) - x).squaredNorm();
+    if (distance < bestDistance) {
+      bestDistance = distance;
+      best = u;
+    }
+  }
+  return nearest(x, best);
 }
 
 Spline::Samples Spline::sample(double spacing) const {

@@ -39,6 +39,11 @@ class Spline {
   /// knots stay. #points, sum 1.
   [[nodiscard]] Eigen::VectorXd basis(double u) const;
 
+  /// Parameter of the point on the curve nearest to x; the curve is searched all along.
+  [[nodiscard]] double nearest(const Vector3& x) const;
+  /// The same by Gauss–Newton steps from u, kept only while they come closer.
+  [[nodiscard]] double nearest(const Vector3& x, double u) const;
+
   /// Points along the curve no farther apart than `spacing`, with their parameters; ends and
   /// control points included.
   struct Samples {

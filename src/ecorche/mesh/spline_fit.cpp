@@ -61,22 +61,6 @@ struct Samples {
   }
 };
 
-// Moves u to the foot of x on the curve nearby: Gauss–Newton steps that are kept only while they
-// come closer.
-double footNear(const Spline& curve, const Vector3& x, double u) {
-  double distance = (curve.at(u) - x).squaredNorm();
-  for (int step = 0; step < 8; ++step) {
-    const Vector3 d = curve.derivative(u);
-    const double next =
-        std::clamp(u - d.dot(curve.at(u) - x) / d.squaredNorm(), 0.0, curve.lastParameter());
-    const double closer = (curve.at(next) - x).squaredNorm();
-    if (!(closer < distance)) break;
-    u = next;
-    distance = closer;
-  }
-  return u;
-}
-
 bool neighboursDistinct(const std::vector<Vector3>& points, double apart) {
   for (std::size_t p = 1; p < points.size(); ++p) {
     if (!((points[p] - points[p - 1]).norm() > apart)) return false;
@@ -127,7 +111,7 @@ std::vector<Vector3> fitSpline(const std::vector<Vector3>& stroke, int count) {
     Eigen::VectorXd g = Eigen::VectorXd::Zero(3 * inner);
     double error = 0.0;
     for (std::size_t k = 1; k + 1 < samples.point.size(); ++k) {
-      u[k] = footNear(curve, samples.point[k], u[k]);
+      u[k] = curve.nearest(samples.point[k], u[k]);
       const Vector3 gap = samples.point[k] - curve.at(u[k]);
       const Vector3 t = curve.tangent(u[k]);
       const Eigen::VectorXd basis = curve.basis(u[k]).segment(1, inner);

@@ -96,9 +96,10 @@ double metresPerUnit(const Project& project, const MeshRef& mesh) {
 }
 
 std::string pathFrom(const std::filesystem::path& folder, const std::filesystem::path& file) {
-  const auto whole = std::filesystem::absolute(file).lexically_normal();
-  const auto base = std::filesystem::absolute(folder).lexically_normal();
-  const auto relative = whole.lexically_relative(base);
+  // An empty folder is the current one, which absolute() does not take
+  const auto here = std::filesystem::current_path();
+  const auto whole = (here / file).lexically_normal();
+  const auto relative = whole.lexically_relative((here / folder).lexically_normal());
   return (relative.empty() ? whole : relative).generic_string();  // empty: on another drive
 }
 

@@ -1,0 +1,149 @@
+#include <ecorche/authoring/new_project.h>
+#include <ecorche/model/project_file.h>
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli.h"
+
+namespace ecorche::cli {
+
+namespace {
+
+using namespace authoring;
+using Json = nlohmann::ordered_json;
+
+struct NewOptions {
+  std::string skin, skinPart, attachments, output;
+  std::vector<std::string> bones;
+  std::string symmetry = "auto";
+  std::string unit = "m";
+  bool force = false;
+};
+
+Json toJson(const NewProject& made, const std::string& file) {
+  const model::Project& project = made.project;
+  Json json = {
+      {"project", file}, {"bones", project.bones.size()}, {"muscles", project.tissues.size()}};
+  if (made.musclesInTable > 0) json["muscles_in_table"] = made.musclesInTable;
+  for (const model::CutPlane& plane : project.cutPlanes) {
+    const auto &p = plane.point, &n = plane.normal;
+    json["symmetry"] = {{"point_m", {p.x(), p.y(), p.z()}}, {"normal", {n.x(), n.y(), n.z()}}};
+    if (made.symmetry) json["symmetry"]["error_rel"] = made.symmetry->error;
+  }
+  json["findings"] = Json::array();
+  for (const Finding& finding : made.findings) {
+    json["findings"].push_back({{"severity", name(finding.severity)},
+                                {"kind", finding.kind},
+                                {"object", finding.object},
+                                {"message", finding.message}});
+  }
+  return json;
+}
+
+void print(const NewProject& made, const std::string& file) {
+  const model::Project& project = made.project;
+  fmt::print("{}: {} bones", file, project.bones.size());
+  if (made.musclesInTable > 0)
+    fmt::print(", {} of {} muscles of the table", project.tissues.size(), made.musclesInTable);
+  fmt::print("\n");
+  for (const model::CutPlane& plane : project.cutPlanes) {
+    const auto &p = plane.point, &n = plane.normal;
+    fmt::print(
+        "symmetry plane through {:.4g}, {:.4g}, {:.4g} m; the side of {:.4g}, {:.4g}, {:.4g} is "
+        "kept",
+        p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+    if (made.symmetry)
+      fmt::print(
+          " (the mirrored skin misses itself by {:.3f} % of its diagonal; --symmetry none keeps "
+          "all)",
+          100 * made.symmetry->error);
+    fmt::print("\n");
+  }
+  std::size_t otherHalf = 0;
+  for (const Finding& finding : made.findings) {
+    if (finding.kind == "other-half") {
+      ++otherHalf;
+    } else {
+      fmt::print("{}: {}\n", name(finding.severity), finding.message);
+    }
+  }
+  if (otherHalf > 0)
+    fmt::print("{}: {} muscles belong to the removed side\n", name(Severity::Note), otherHalf);
+}
+
+Result<void> makeProject(const NewOptions& options, const ParsedSymmetry& symmetry,
+                         Session& session) {
+  if (!options.force && std::filesystem::exists(options.output)) {
+    return fail(ErrorCode::FileNotWritable,
+                "this file exists already; choose another name or add --force",
+                {.file = options.output});
+  }
+  NewProjectRequest request;
+  request.target = options.output;
+  request.skin = options.skin;
+  request.skinPart = options.skinPart;
+  request.bones.assign(options.bones.begin(), options.bones.end());
+  if (!options.attachments.empty()) request.attachments = options.attachments;
+  request.symmetry = symmetry;
+  request.unit = *model::unitFrom(options.unit);
+  const auto made = newProject(request, session.run);
+  if (!made) return passOn(made);
+  if (session.run.cancelled())
+    return fail(ErrorCode::Cancelled, "interrupted; nothing was written");
+  if (auto saved = model::saveProject(made->project, options.output); !saved) return saved;
+  if (session.globals.json) {
+    fmt::print("{}\n", toJson(*made, options.output).dump(2));
+  } else if (!session.globals.quiet) {
+    print(*made, options.output);
+  }
+  return {};
+}
+
+}  // namespace
+
+void addNew(CLI::App& app, Commands& commands) {
+  CLI::App* const sub = app.add_subcommand(
+      "new", "Make a project from a skin, bones and, if there is one, a table of attachments");
+  const auto options = std::make_shared<NewOptions>();
+  sub->add_option("--skin", options->skin, "Closed skin mesh (obj, ply, stl, off, glb, fbx ...)")
+      ->required();
+  sub->add_option("--skin-part", options->skinPart, "One named part of that file");
+  sub->add_option("--bones", options->bones,
+                  "Bone meshes, or a folder of them; files with several parts give several bones")
+      ->required();
+  sub->add_option("--attachments", options->attachments,
+                  "CSV with columns muscle, role, bone, x, y, z: gives each muscle a first curve");
+  sub->add_option("--symmetry", options->symmetry,
+                  "auto: find it; none; or a plane: y, -y, y=0.02. What the axis points at is "
+                  "kept, with a minus the other half")
+      ->capture_default_str();
+  sub->add_option("--unit", options->unit, "Unit of all these files")
+      ->check(CLI::IsMember({"m", "dm", "cm", "mm", "in"}))
+      ->capture_default_str();
+  sub->add_option("-o,--output", options->output, "The project file to write (.ecorche)")
+      ->required();
+  sub->add_flag("--force", options->force, "Replace an existing project file");
+  sub->footer(
+      "Meshes stay where they are; the project names them relative to itself.\n\nExamples:\n"
+      "  ecorche new --skin skin.obj --bones bones/ -o horse.ecorche\n"
+      "  ecorche new --skin body.glb --bones femur.stl tibia.stl --unit mm --symmetry none -o "
+      "leg.ecorche\n"
+      "  ecorche new --skin SKINbody.stl --bones bones --attachments sites.csv -o dog.ecorche");
+  // A plane that cannot be read is wrong usage, like any other malformed option
+  sub->final_callback([options] {
+    const auto unit = model::unitFrom(options->unit);
+    if (unit && !symmetryFrom(options->symmetry, *unit)) {
+      throw CLI::ValidationError("--symmetry",
+                                 "must be auto, none or a plane like y, -y or y=0.02");
+    }
+  });
+  commands.push_back(
+      {sub, [options](Session& session) {
+         return makeProject(
+             *options, *symmetryFrom(options->symmetry, *model::unitFrom(options->unit)), session);
+       }});
+}
+
+}  // namespace ecorche::cli

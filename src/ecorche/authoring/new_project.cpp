@@ -1,0 +1,270 @@
+#include <ecorche/authoring/attachments.h>
+#include <ecorche/authoring/first_curves.h>
+#include <ecorche/authoring/names.h>
+#include <ecorche/authoring/new_project.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/mesh/read_mesh.h>
+#include <ecorche/model/project_check.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace ecorche::authoring {
+
+namespace fs = std::filesystem;
+using mesh::Vector3;
+
+namespace {
+
+Result<std::vector<fs::path>> boneFiles(const NewProjectRequest& request) {
+  std::vector<fs::path> out;
+  for (const fs::path& each : request.bones) {
+    std::error_code error;
+    if (!fs::is_directory(each, error)) {
+      out.push_back(each);
+      continue;
+    }
+    std::vector<fs::path> inFolder;
+    for (const auto& entry : fs::directory_iterator(each, error)) {
+      if (!entry.is_regular_file(error) || !mesh::isMeshFile(entry.path())) continue;
+      if (!fs::equivalent(entry.path(), request.skin, error)) inFolder.push_back(entry.path());
+    }
+    if (error && inFolder.empty()) {
+      return fail(ErrorCode::FileNotReadable, "this folder cannot be read",
+                  {.file = each.string()});
+    }
+    if (inFolder.empty()) {
+      return fail(ErrorCode::FileMissing,
+                  "there is no mesh in this folder (obj, ply, stl, off, glb, fbx …)",
+                  {.file = each.string()});
+    }
+    std::ranges::sort(inFolder);
+    out.insert(out.end(), inFolder.begin(), inFolder.end());
+  }
+  return out;
+}
+
+struct NamedMesh {
+  model::Bone bone;
+  mesh::SurfaceMesh mesh;
+};
+
+Result<std::vector<NamedMesh>> readBones(const NewProjectRequest& request, const fs::path& folder,
+                                         RunContext& run) {
+  const auto files = boneFiles(request);
+  if (!files) return passOn(files);
+  const mesh::ReadOptions options{model::metresPer(request.unit)};
+  std::vector<NamedMesh> out;
+  std::vector<std::string> names;
+  const Stage stage(run, "reading bones");
+  for (std::size_t k = 0; k < files->size(); ++k) {
+    run.progress("reading bones", static_cast<double>(k) / static_cast<double>(files->size()));
+    if (run.cancelled()) return fail(ErrorCode::Cancelled, "reading bones");
+    const fs::path& file = (*files)[k];
+    auto read = mesh::readMesh(file, options, run);
+    if (!read) return passOn(read);
+    const std::string path = model::pathFrom(folder, file);
+    if (read->parts.size() < 2) {
+      names.push_back(boneNameFrom(file));
+      out.push_back({{"", {path, "", {}}}, std::move(*read)});
+      continue;
+    }
+    for (std::size_t part = 0; part < read->parts.size(); ++part) {
+      const std::string& partName = read->parts[part].name;
+      if (partName.empty() || read->parts[part].faceCount == 0) continue;
+      names.push_back(boneNameFrom(partName + ".part"));
+      out.push_back({{"", {path, partName, {}}}, mesh::partOf(*read, part)});
+    }
+  }
+  names = madeUnique(std::move(names));
+  for (std::size_t k = 0; k < out.size(); ++k) out[k].bone.name = names[k];
+  return out;
+}
+
+Result<mesh::SurfaceMesh> readSkin(const NewProjectRequest& request, RunContext& run) {
+  const Stage stage(run, "reading skin");
+  auto skin = mesh::readMesh(request.skin, {model::metresPer(request.unit)}, run);
+  if (!skin || request.skinPart.empty()) return skin;
+  for (std::size_t part = 0; part < skin->parts.size(); ++part) {
+    if (skin->parts[part].name == request.skinPart) return mesh::partOf(*skin, part);
+  }
+  std::string known;
+  for (const mesh::Part& part : skin->parts) known += (known.empty() ? "" : ", ") + part.name;
+  return fail(ErrorCode::UnknownName,
+              fmt::format("there is no part \"{}\"; the file has {}", request.skinPart,
+                          known.empty() ? "none" : known),
+              {.file = request.skin.string()});
+}
+
+// Bones ten times the size of the skin, or nowhere near it, are in another unit or frame.
+void compareScales(const mesh::Box& skin, const std::vector<NamedMesh>& bones, Findings& findings) {
+  mesh::Box all;
+  for (const NamedMesh& bone : bones) all.add(mesh::boundingBox(bone.mesh));
+  if (bones.empty() || all.empty() || skin.empty()) return;
+  const double ratio = all.diagonal() / skin.diagonal();
+  const bool apart =
+      ((all.lo - skin.hi).array() > 0.0).any() || ((skin.lo - all.hi).array() > 0.0).any();
+  if (ratio > 0.05 && ratio < 5.0 && !apart) return;
+  findings.push_back(
+      {Severity::Warning, "scale", "skin",
+       fmt::format("the bones measure {:.3g} m corner to corner and the skin {:.3g} m{}; are they "
+                   "in the same unit and frame?",
+                   all.diagonal(), skin.diagonal(), apart ? ", and they do not meet" : ""),
+       all.centre()});
+}
+
+std::optional<model::CutPlane> cutPlaneFrom(const ParsedSymmetry& asked,
+                                            const std::optional<SymmetryPlane>& found) {
+  model::CutPlane plane{"median", model::CutPlane::Kind::Symmetry, Vector3::Zero(),
+                        Vector3::UnitY()};
+  if (const auto* given = std::get_if<GivenSymmetry>(&asked.choice)) {
+    plane.normal = Vector3::Unit(given->axis);
+    plane.point = given->offset * plane.normal;
+  } else if (found) {
+    plane.point = found->point;
+    plane.normal = found->normal;
+  } else {
+    return std::nullopt;
+  }
+  if (asked.flip) plane.normal = -plane.normal;
+  plane.normal += Vector3::Zero();  // no −0 in files
+  return plane;
+}
+
+// First curves for all muscles of a table, in its order.
+Result<std::vector<model::Tissue>> musclesFrom(const NewProjectRequest& request,
+                                               const mesh::SurfaceMesh& skin,
+                                               const std::vector<NamedMesh>& bones,
+                                               const std::optional<model::CutPlane>& symmetry,
+                                               NewProject& out, RunContext& run) {
+  const auto table = readAttachments(*request.attachments, model::metresPer(request.unit));
+  if (!table) return passOn(table);
+  out.musclesInTable = table->size();
+
+  const Stage stage(run, "first curves");
+  std::vector<BoneSurface> surfaces(bones.size());
+  parallelFor(
+      static_cast<std::int64_t>(bones.size()),
+      [&](std::int64_t k) {
+        const auto& each = bones[static_cast<std::size_t>(k)];
+        surfaces[static_cast<std::size_t>(k)] = boneSurface(each.bone.name, each.mesh);
+      },
+      1);
+  const mesh::SurfaceQuery skinQuery(skin);
+  const mesh::Box box = mesh::boundingBox(skin);
+  const Surroundings around{skinQuery, surfaces, box.diagonal(), box.centre(), symmetry};
+
+  std::vector<bool> removed(table->size(), false);
+  if (symmetry) removed = onRemovedHalf(*table, *symmetry, box.diagonal());
+  std::vector<std::optional<model::Tissue>> muscles(table->size());
+  std::vector<Findings> findings(table->size());
+  parallelFor(
+      static_cast<std::int64_t>(table->size()),
+      [&](std::int64_t k) {
+        const auto i = static_cast<std::size_t>(k);
+        const MuscleSites& each = (*table)[i];
+        if (run.cancelled()) return;
+        if (!removed[i]) {
+          muscles[i] = muscleFrom(each, around, findings[i]);
+        } else {
+          findings[i].push_back({Severity::Note, "other-half", each.muscle,
+                                 each.muscle + " lies on the side that the symmetry plane removes",
+                                 each.sites.front().at});
+        }
+      },
+      1);
+  if (run.cancelled()) return fail(ErrorCode::Cancelled, "first curves");
+
+  // Patches lie beside the table or in its folder "sites"; those that are not there are not named
+  const fs::path folder = request.attachments->parent_path();
+  std::vector<model::Tissue> tissues;
+  for (std::size_t k = 0; k < muscles.size(); ++k) {
+    out.findings.insert(out.findings.end(), findings[k].begin(), findings[k].end());
+    if (!muscles[k]) continue;
+    for (model::Attachment& attachment : muscles[k]->attachments) {
+      if (!attachment.patch) continue;
+      std::optional<std::string> file;
+      for (const fs::path& place :
+           {folder / attachment.patch->file, folder / "sites" / attachment.patch->file}) {
+        std::error_code ignored;
+        if (fs::is_regular_file(place, ignored)) file = model::pathFrom(out.project.folder, place);
+      }
+      if (file) {
+        attachment.patch->file = *file;
+      } else {
+        attachment.patch.reset();
+      }
+    }
+    tissues.push_back(std::move(*muscles[k]));
+  }
+  return tissues;
+}
+
+}  // namespace
+
+std::optional<ParsedSymmetry> symmetryFrom(std::string_view text, model::Unit unit) {
+  if (text == "auto") return ParsedSymmetry{FindSymmetry{}};
+  if (text == "none") return ParsedSymmetry{NoSymmetry{}};
+  ParsedSymmetry out;
+  if (text.starts_with('-')) {
+    out.flip = true;
+    text.remove_prefix(1);
+  }
+  GivenSymmetry given;
+  if (text.empty()) return std::nullopt;
+  const std::size_t axis = std::string_view("xyzXYZ").find(text.front());
+  if (axis == std::string_view::npos) return std::nullopt;
+  given.axis = static_cast<int>(axis % 3);
+  text.remove_prefix(1);
+  if (!text.empty()) {
+    if (text.front() != '=') return std::nullopt;
+    const auto offset = model::lengthFrom(text.substr(1), unit);
+    if (!offset) return std::nullopt;
+    given.offset = *offset;
+  }
+  out.choice = given;
+  return out;
+}
+
+Result<NewProject> newProject(const NewProjectRequest& request, RunContext& run) {
+  NewProject out;
+  out.project.folder = request.target.parent_path();
+  out.project.name = request.target.stem().string();
+  out.project.unit = request.unit;
+  out.project.skin = {model::pathFrom(out.project.folder, request.skin), request.skinPart, {}};
+
+  const auto skin = readSkin(request, run);
+  if (!skin) return passOn(skin);
+  const auto bones = readBones(request, out.project.folder, run);
+  if (!bones) return passOn(bones);
+  for (const NamedMesh& each : *bones) out.project.bones.push_back(each.bone);
+  compareScales(mesh::boundingBox(*skin), *bones, out.findings);
+
+  if (std::holds_alternative<FindSymmetry>(request.symmetry.choice)) {
+    const auto found = findSymmetryPlane(*skin, {}, run);
+    if (!found) return passOn(found);
+    out.symmetry = *found;
+    if (!out.symmetry) {
+      out.findings.push_back({Severity::Note,
+                              "no-symmetry",
+                              "skin",
+                              "no plane mirrors the skin onto itself, so the whole of it is kept",
+                              {}});
+    }
+  }
+  const auto plane = cutPlaneFrom(request.symmetry, out.symmetry);
+  if (plane) out.project.cutPlanes.push_back(*plane);
+
+  if (request.attachments) {
+    auto muscles = musclesFrom(request, *skin, *bones, plane, out, run);
+    if (!muscles) return passOn(muscles);
+    out.project.tissues = std::move(*muscles);
+  }
+  if (auto fault = model::findFault(out.project)) {
+    return fail(fault->code, std::move(fault->message), {.object = std::move(fault->object)});
+  }
+  return out;
+}
+
+}  // namespace ecorche::authoring

@@ -1,0 +1,65 @@
+#include <ecorche/authoring/snap.h>
+#include <ecorche/mesh/surface_check.h>
+
+namespace ecorche::authoring {
+
+using mesh::Vector3;
+using model::Support;
+
+namespace {
+
+double distanceTo(const mesh::Box& box, const Vector3& p) {
+  return (box.lo - p).cwiseMax(p - box.hi).cwiseMax(Vector3::Zero()).norm();
+}
+
+void keepNearer(std::optional<Snap>& best, double reach, const Support& support, const Vector3& at,
+                const Vector3& p) {
+  const double distance = (at - p).norm();
+  if (distance <= reach && (!best || distance < best->distance)) best = Snap{support, at, distance};
+}
+
+}  // namespace
+
+BoneSurface boneSurface(std::string name, const mesh::SurfaceMesh& mesh) {
+  const mesh::SurfaceCheck check = mesh::checkSurface(mesh);
+  return {std::move(name), mesh::boundingBox(mesh),
+          check.borderEdges == 0 && check.inconsistentEdges == 0,
+          std::make_shared<mesh::SurfaceQuery>(mesh)};
+}
+
+SnapTargets snapTargets(const model::Project& project, std::vector<BoneSurface> bones) {
+  SnapTargets out{std::move(bones), project.cutPlanes, {}};
+  for (const model::Tissue& tissue : project.tissues) {
+    for (const model::Curve& curve : tissue.curves)
+      out.curves.push_back({tissue.name, splineOf(curve)});
+  }
+  return out;
+}
+
+std::optional<Snap> snapToBone(const Vector3& p, const std::vector<BoneSurface>& bones,
+                               double reach) {
+  std::optional<Snap> best;
+  for (const BoneSurface& bone : bones) {
+    const double limit = best ? best->distance : reach;
+    if (bone.surface->empty() || distanceTo(bone.box, p) > limit) continue;
+    keepNearer(best, reach, {Support::On::Bone, bone.name}, bone.surface->closest(p).point, p);
+  }
+  return best;
+}
+
+std::optional<Snap> snapEnd(const Vector3& p, const SnapTargets& targets, double reach,
+                            const std::string& owner) {
+  std::optional<Snap> best = snapToBone(p, targets.bones, reach);
+  for (const model::CutPlane& plane : targets.planes) {
+    const Vector3 foot = p - (p - plane.point).dot(plane.normal) * plane.normal;
+    keepNearer(best, reach, {Support::On::Plane, plane.name}, foot, p);
+  }
+  for (const SnapTargets::TissueCurve& curve : targets.curves) {
+    if (curve.tissue == owner) continue;
+    keepNearer(best, reach, {Support::On::Tissue, curve.tissue},
+               curve.spline.at(curve.spline.nearest(p)), p);
+  }
+  return best;
+}
+
+}  // namespace ecorche::authoring

@@ -1,0 +1,218 @@
+#include <ecorche/authoring/first_curves.h>
+#include <ecorche/authoring/new_project.h>
+#include <ecorche/mesh/read_mesh.h>
+#include <ecorche/mesh/spline.h>
+
+#include "authoring/shapes.h"
+#include "support/paths.h"
+
+using namespace ecorche;
+using namespace ecorche::authoring;
+using mesh::Vector3;
+using model::Support;
+
+namespace {
+
+mesh::SurfaceMesh sphere(const Vector3& centre, double radius) {
+  return test::ball(3, [=](const Vector3& p) -> Vector3 { return centre + radius * p; });
+}
+
+/// A ball of skin with a ball of bone in its middle, and two small bones left and right of it.
+struct Scene {
+  mesh::SurfaceQuery skin{sphere(Vector3::Zero(), 1.0)};
+  std::vector<BoneSurface> bones = {boneSurface("middle", sphere(Vector3::Zero(), 0.2)),
+                                    boneSurface("left", sphere({-0.7, 0, 0}, 0.1)),
+                                    boneSurface("right", sphere({0.7, 0, 0}, 0.1))};
+  Surroundings around{skin, bones, 2.0 * std::sqrt(3.0), Vector3(-1, 0, 0), std::nullopt};
+};
+
+AttachmentSite site(const char* bone, const Vector3& at) {
+  return {.muscle = "m", .bone = bone, .at = at, .patchFile = {}};
+}
+
+}  // namespace
+
+TEST_CASE("a curve's end snaps to what is nearest within reach, and else is free") {
+  Scene scene;
+  model::Project project;
+  project.skin.file = "skin.obj";
+  project.cutPlanes = {
+      {"median", model::CutPlane::Kind::Symmetry, Vector3::Zero(), Vector3::UnitY()}};
+  project.tissues = {{.name = "belly", .kind = model::Tissue::Kind::Muscle}};
+  project.tissues[0].curves = {{"", {{{0, 0.5, 0}, 1}, {{0, 0.5, 0.5}, 1}}, {}, {}}};
+  const SnapTargets targets = snapTargets(project, scene.bones);
+
+  const auto bone = snapEnd({-0.7, 0.12, 0}, targets, 0.05);
+  REQUIRE(bone);
+  CHECK(bone->support == Support{Support::On::Bone, "left"});
+  CHECK(std::abs((bone->at - Vector3(-0.7, 0, 0)).norm() - 0.1) < 2e-3);
+  CHECK(bone->distance == Approx(0.02).margin(2e-3));
+
+  const auto inside = snapEnd({0.7, 0.08, 0.01}, targets, 0.05);
+  REQUIRE(inside);
+  CHECK(inside->support.name == "right");
+
+  const auto plane = snapEnd({0.4, 0.03, 0.4}, targets, 0.05);
+  REQUIRE(plane);
+  CHECK(plane->support == Support{Support::On::Plane, "median"});
+  CHECK((plane->at - Vector3(0.4, 0, 0.4)).norm() < 1e-15);
+
+  const auto curve = snapEnd({0.01, 0.52, 0.2}, targets, 0.05);
+  REQUIRE(curve);
+  CHECK(curve->support == Support{Support::On::Tissue, "belly"});
+  CHECK((curve->at - Vector3(0, 0.5, 0.2)).norm() < 1e-6);
+  CHECK_FALSE(snapEnd({0.01, 0.52, 0.2}, targets, 0.05, "belly"));
+  CHECK_FALSE(snapEnd({0.3, 0.6, 0.3}, targets, 0.05));
+}
+
+TEST_CASE("a first curve is straight where nothing is in the way") {
+  Scene scene;
+  const auto points = bentCurve({-0.5, 0.5, 0}, {0.5, 0.5, 0}, scene.around);
+  REQUIRE(points.size() == 4);
+  for (std::size_t p = 0; p < 4; ++p)
+    CHECK((points[p] - Vector3(-0.5 + p / 3.0, 0.5, 0)).norm() < 1e-12);
+}
+
+TEST_CASE("a first curve goes around bone and stays under the skin") {
+  Scene scene;
+  const std::vector<std::pair<Vector3, Vector3>> ways = {
+      {{-0.6, 0.05, 0.02}, {0.6, 0.02, 0.05}},  // through the middle bone
+      {{-0.6, 0.1, 0}, {0.6, 0.1, 0}},          // through its edge
+      {{-0.85, 0.5, 0}, {0.4, 0.9, 0}},         // the chord leaves towards the skin
+  };
+  for (const auto& [from, to] : ways) {
+    const auto points = bentCurve(from, to, scene.around);
+    CHECK(points.front() == from);
+    CHECK(points.back() == to);
+    const mesh::Spline curve(points);
+    CHECK(curve.length() < 1.3 * (to - from).norm());
+    for (const Vector3& p : curve.sample(0.01).point) {
+      CHECK(p.norm() > 0.195);
+      CHECK(p.norm() < 1.0);
+    }
+  }
+}
+
+TEST_CASE("a muscle made of sites runs between the two farthest, on their bones, origin first") {
+  Scene scene;
+  Findings findings;
+  const MuscleSites sites{
+      "m_L",
+      {site("right", {0.61, 0.02, 0}), site("left", {-0.6, 0, 0.01}), site("?", {-0.62, 0.03, 0})}};
+  const auto muscle = muscleFrom(sites, scene.around, findings);
+  REQUIRE(muscle);
+  CHECK(muscle->side == model::Side::Left);
+  REQUIRE(muscle->curves.size() == 1);
+  const model::Curve& curve = muscle->curves[0];
+  CHECK(curve.start ==
+        Support{Support::On::Bone, "left"});  // the body's middle was said to be at x = -1
+  CHECK(curve.end == Support{Support::On::Bone, "right"});
+  CHECK(scene.bones[2].surface->distance(curve.points.back().at) < 1e-5);
+  CHECK(muscle->attachments.size() == 3);
+  CHECK(muscle->attachments[2].support.name == "left");  // the nearest, for want of a name
+  CHECK(findings.empty());
+
+  auto withRoles = sites;
+  withRoles.sites[0].role = model::Attachment::Role::Origin;
+  withRoles.sites[1].role = model::Attachment::Role::Insertion;
+  CHECK(muscleFrom(withRoles, scene.around, findings)->curves[0].start.name == "right");
+
+  CHECK_FALSE(muscleFrom({"astray", {site("left", {-0.6, 0, 0}), site("?", {3, 0, 0})}},
+                         scene.around, findings));
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].kind == "no-way");
+  CHECK_FALSE(muscleFrom({"lone", {site("left", {-0.6, 0, 0})}}, scene.around, findings));
+  REQUIRE(findings.size() == 2);
+  CHECK(findings[1].kind == "too-few-sites");
+}
+
+TEST_CASE(
+    "with a symmetry plane one half of the table is left out, and what goes on there ends on the "
+    "plane") {
+  Scene scene;
+  const model::CutPlane plane{"median", model::CutPlane::Kind::Symmetry, Vector3::Zero(),
+                              Vector3::UnitX()};
+  Surroundings half = scene.around;
+  half.symmetry = plane;
+  Findings findings;
+  const auto across = muscleFrom(
+      {"across", {site("right", {0.6, 0.3, 0}), site("left", {-0.6, 0.3, 0})}}, half, findings);
+  REQUIRE(across);
+  CHECK(across->attachments.size() == 1);
+  const model::Curve& curve = across->curves[0];
+  const bool startsOnPlane = curve.start.on == Support::On::Plane;
+  CHECK((startsOnPlane ? curve.start : curve.end) == Support{Support::On::Plane, "median"});
+  CHECK(std::abs((startsOnPlane ? curve.points.front() : curve.points.back()).at.x()) < 1e-12);
+
+  const std::vector<MuscleSites> table = {
+      {"a_L", {site("", {0.01, 0, 0}), site("", {-0.002, 0, 1})}},
+      {"a_R", {site("", {-0.01, 0, 0}), site("", {0.002, 0, 1})}},
+      {"b", {site("", {-0.3, 0, 0}), site("", {0.3, 0, 0})}},
+      {"c", {site("", {-0.3, 0, 0})}}};
+  CHECK(onRemovedHalf(table, plane, 2.0) == std::vector<bool>{false, true, false, true});
+}
+
+TEST_CASE("symmetry is asked for in words") {
+  const auto y = symmetryFrom("-y=2.5", model::Unit::Centimetre);
+  REQUIRE(y);
+  CHECK(y->flip);
+  CHECK(std::get<GivenSymmetry>(y->choice).axis == 1);
+  CHECK(std::get<GivenSymmetry>(y->choice).offset == 0.025);
+  CHECK(std::holds_alternative<FindSymmetry>(symmetryFrom("auto", model::Unit::Metre)->choice));
+  CHECK(std::holds_alternative<NoSymmetry>(symmetryFrom("none", model::Unit::Metre)->choice));
+  for (const char* bad : {"", "-", "w", "y=", "y=a", "y 1", "yes"})
+    CHECK_FALSE(symmetryFrom(bad, model::Unit::Metre));
+}
+
+TEST_CASE(
+    "the dog gets a first curve for nearly every muscle of its left half, few of them astray") {
+  if (!test::haveData("dog/attachment_sites.csv")) return;
+  RunContext run;
+  const auto dog = test::dataFolder() / "dog";
+  NewProjectRequest request;
+  request.target = dog / "dog.ecorche";  // not written
+  request.skin = dog / "SKINbody.stl";
+  request.bones = {dog / "bones"};
+  request.attachments = dog / "attachment_sites.csv";
+  request.symmetry.choice = FindSymmetry{};
+  const auto made = newProject(request, run);
+  REQUIRE(made);
+  const model::Project& project = made->project;
+  CHECK(project.bones.size() == 172);
+  CHECK(project.skin.file == "SKINbody.stl");
+  CHECK(project.cutPlanes.at(0).normal == Vector3::UnitY());
+  CHECK(project.tissues.size() >= 95);
+
+  const mesh::SurfaceQuery skin(mesh::readMesh(request.skin, {}, run).value());
+  std::vector<BoneSurface> bones;
+  for (const model::Bone& bone : project.bones) {
+    bones.push_back(boneSurface(
+        bone.name, mesh::readMesh(model::meshPath(project, bone.mesh), {}, run).value()));
+  }
+  double total = 0.0, outside = 0.0, inBone = 0.0;
+  int onBone = 0, ends = 0;
+  for (const model::Tissue& muscle : project.tissues) {
+    CHECK(muscle.side != model::Side::Right);
+    const model::Curve& curve = muscle.curves.at(0);
+    for (const Support& s : {curve.start, curve.end}) {
+      ++ends;
+      onBone += s.on == Support::On::Bone ? 1 : 0;
+    }
+    for (const Vector3& p : splineOf(curve).sample(0.002).point) {
+      total += 1.0;
+      if (!skin.inside(p)) outside += 1.0;
+      for (const BoneSurface& bone : bones) {
+        if (bone.closed && ((p - bone.box.lo).array() > 0.0).all() &&
+            ((bone.box.hi - p).array() > 0.0).all() && bone.surface->signedDistance(p) < -0.001) {
+          inBone += 1.0;
+          break;
+        }
+      }
+    }
+  }
+  INFO("share of the curves' length outside the skin "
+       << outside / total << ", deeper than 1 mm in bone " << inBone / total);
+  CHECK(onBone > 0.9 * ends);
+  CHECK(outside / total < 0.01);
+  CHECK(inBone / total < 0.03);
+}
