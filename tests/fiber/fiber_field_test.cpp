@@ -120,6 +120,7 @@ TEST_CASE(
   const auto muscle = test::muscleAlong("slanted", {{-0.01, 0, 0}, {0, 0, 0.1}, {0.01, 0, 0.2}});
   FiberOptions options;
   options.curveWeight = 0.0;
+  options.slant = 0.0;
   CHECK(worstAngle(shape, fibersOf(shape, {muscle}, {test::boneToBone()}, options),
                    [](const Vector3&) { return Vector3::UnitZ(); }) < 1e-6);
   double before = 180.0;
@@ -129,6 +130,30 @@ TEST_CASE(
         fibersOf(shape, {muscle}, {test::boneToBone()}, options).muscles[0].angleToCurveDeg;
     CHECK(angle < before);
     before = angle;
+  }
+}
+
+TEST_CASE("fibres of a cylinder that is cut off at a slant still run along its axis") {
+  for (const double slope : {0.5, 1.0, 1.7}) {
+    ShapeRecipe recipe = cylinder(0.015, 0.15);
+    recipe.cells = {8, 8, 24};
+    const auto straight = recipe.map;
+    recipe.map = [&](const Vector3& g) {
+      Vector3 p = straight(g);
+      p.z() += slope * p.x();
+      return p;
+    };
+    const Shape shape = makeShape(recipe);
+    const auto muscle = test::muscleAlong("slanted", {{0, 0, 0}, {0, 0, 0.15}});
+    const FiberField field = fibersOf(shape, {muscle}, {test::boneToBone()});
+    checkUnit(shape, field);
+    const auto axis = [](const Vector3&) { return Vector3::UnitZ(); };
+    CHECK(meanAngle(shape, field, axis) < 1.0);
+    CHECK(worstAngle(shape, field, axis) < 20.0);
+    CHECK(field.muscles[0].angleToCurveDeg < 1.0);
+    CHECK(field.muscles[0].interiorExtrema == 0);
+    CHECK(field.muscles[0].fiberLength == Approx(0.15).epsilon(0.03));
+    CHECK(field.muscles[0].lines.size() >= 95);
   }
 }
 
@@ -151,7 +176,7 @@ TEST_CASE("fibres of a bend are azimuthal") {
   checkUnit(shape, field);
   const auto azimuthal = [](const Vector3& x) { return Vector3(-x.z(), 0.0, x.x()).normalized(); };
   CHECK(meanAngle(shape, field, azimuthal) < 1.5);
-  CHECK(worstAngle(shape, field, azimuthal) < 5.0);
+  CHECK(worstAngle(shape, field, azimuthal) < 6.0);
   CHECK(field.muscles[0].angleToCurveDeg < 3.0);
   CHECK(field.muscles[0].interiorExtrema == 0);
   // Inner fibres are shorter, outer longer; the mean is that of the axis
@@ -238,13 +263,12 @@ TEST_CASE("fibres of a unipennate muscle run obliquely between two long attachme
   CHECK(mean.x() > 0.0);
   CHECK(std::abs(mean.y()) < 0.02);
   CHECK(field.muscles[0].fiberLength < 0.2);
-  // An attachment is a surface of equal flow, so fibres leave it squarely: the curve can only turn
-  // them in between
-  FiberOptions unguided = options;
-  unguided.curveWeight = 0.0;
-  const double alone =
-      fibersOf(shape, {muscle}, {test::boneToBone()}, unguided).muscles[0].angleToCurveDeg;
-  CHECK(field.muscles[0].angleToCurveDeg < 0.8 * alone);
+  CHECK(field.muscles[0].angleToCurveDeg < 15.0);
+  // Were an attachment a surface of equal flow, fibres would leave it squarely, far from where the
+  // curve goes
+  options.slant = 0.0;
+  const FiberField squarely = fibersOf(shape, {muscle}, {test::boneToBone()}, options);
+  CHECK(squarely.muscles[0].angleToCurveDeg > 2.0 * field.muscles[0].angleToCurveDeg);
 }
 
 TEST_CASE("two heads share a belly and each runs from its own origin") {
@@ -551,7 +575,9 @@ TEST_CASE("unknowns on the domain's tets leave no fibre astray where those on th
         .normalized();
   };
   const Shape shape = cutMuscle(8, wavy);
+  // The curve leaves its plates at a slant: without tilt the flow turns sharply there
   FiberOptions options;
+  options.slant = 0.0;
   const FiberField field = fibersOf(shape, {alongPath(wavy)}, {test::boneToBone()}, options);
   options.elements = fiber::FlowElements::AnatomyTets;
   const FiberField onSlivers = fibersOf(shape, {alongPath(wavy)}, {test::boneToBone()}, options);

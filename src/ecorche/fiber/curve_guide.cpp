@@ -132,4 +132,19 @@ Vector3 CurveGuide::end(std::int32_t curve, bool insertion) const {
   return insertion ? line.point.back() : line.point.front();
 }
 
+Vector3 CurveGuide::tangentAtEnd(std::int32_t curve, bool insertion) const {
+  const Line& line = lines_[static_cast<std::size_t>(curve)];
+  return insertion ? line.tangent.back() : line.tangent.front();
+}
+
+double CurveGuide::slopeAtEnd(std::int32_t curve, bool insertion) const {
+  const Line& line = lines_[static_cast<std::size_t>(curve)];
+  double resistance = 0.0;  // ∫ ds / r²
+  for (const double r : line.radius) resistance += line.arc.back() / kBins / (r * r);
+  // Over the last eighth, as everything about ends
+  const double r = insertion ? 0.5 * (line.radius[kBins - 1] + line.radius[kBins - 2])
+                             : 0.5 * (line.radius[0] + line.radius[1]);
+  return 1.0 / (r * r * resistance);
+}
+
 }  // namespace ecorche::fiber

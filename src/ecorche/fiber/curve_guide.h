@@ -29,6 +29,11 @@ class CurveGuide {
   [[nodiscard]] double length(std::int32_t curve) const;  ///< [m]
   [[nodiscard]] std::int32_t curveCount() const { return static_cast<std::int32_t>(lines_.size()); }
   [[nodiscard]] mesh::Vector3 end(std::int32_t curve, bool insertion) const;
+  [[nodiscard]] mesh::Vector3 tangentAtEnd(std::int32_t curve,
+                                           bool insertion) const;  ///< from origin to insertion
+  /// |∇u| at an end of a flow from 0 to 1 that fills the cross-sections: what passes is the same
+  /// everywhere [1/m].
+  [[nodiscard]] double slopeAtEnd(std::int32_t curve, bool insertion) const;
 
  private:
   struct Line {

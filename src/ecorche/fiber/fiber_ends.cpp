@@ -123,31 +123,54 @@ void chooseTip(End& end, const MuscleMesh& muscle, const std::vector<Face>& face
   if (nearestDistance <= 2.0 * std::max(end.radius, size)) end.faces.push_back(nearestFace);
 }
 
-// Vertices of the chosen faces; one that both sides claim goes to the nearer end.
-std::vector<Role> assignRoles(std::vector<End>& ends, const MuscleMesh& muscle,
-                              const std::vector<Face>& faces) {
-  std::vector<Role> role(muscle.vertexId.size(), Role::None);
+// Figures of the chosen faces, and the values that they hold.
+EndValues finishEnd(End& end, const MuscleMesh& muscle, const std::vector<Face>& faces,
+                    const CurveGuide& guide, const FiberOptions& options) {
+  Vector3 normal = Vector3::Zero();
+  for (const std::int32_t f : end.faces) {
+    const Face& face = faces[static_cast<std::size_t>(f)];
+    const auto& v = muscle.surface[static_cast<std::size_t>(f)].v;
+    const Vector3 a = muscle.mesh.V.row(v[0]).transpose();
+    normal +=
+        (muscle.mesh.V.row(v[1]).transpose() - a).cross(muscle.mesh.V.row(v[2]).transpose() - a);
+    end.figure.area += face.area;
+    end.figure.centroid += face.area * face.centroid;
+  }
+  if (end.figure.area > 0.0) {
+    end.figure.centroid /= end.figure.area;
+  } else {
+    end.figure.centroid = end.place;
+  }
+
+  // What of the curve's direction lies in the attachment's plane: nothing where it is met squarely
+  EndValues values;
+  values.role = end.insertion ? Role::Insertion : Role::Origin;
+  values.centre = end.figure.centroid;
+  if (normal.norm() > 0.0) {
+    normal.normalize();
+    const Vector3 t = guide.tangentAtEnd(end.curve, end.insertion);
+    values.slope =
+        options.slant * guide.slopeAtEnd(end.curve, end.insertion) * (t - t.dot(normal) * normal);
+  }
+  return values;
+}
+
+// Vertices of the chosen faces; one that several ends claim goes to the nearest.
+std::vector<std::int32_t> assignVertices(const std::vector<End>& ends, const MuscleMesh& muscle) {
+  std::vector<std::int32_t> endOf(muscle.vertexId.size(), -1);
   std::vector<double> distance(muscle.vertexId.size(), std::numeric_limits<double>::infinity());
-  for (End& end : ends) {
-    for (const std::int32_t f : end.faces) {
-      const Face& face = faces[static_cast<std::size_t>(f)];
-      end.figure.area += face.area;
-      end.figure.centroid += face.area * face.centroid;
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    for (const std::int32_t f : ends[e].faces) {
       for (const std::int32_t v : muscle.surface[static_cast<std::size_t>(f)].v) {
-        const double d = (muscle.mesh.V.row(v).transpose() - end.place).norm();
+        const double d = (muscle.mesh.V.row(v).transpose() - ends[e].place).norm();
         if (d < distance[static_cast<std::size_t>(v)]) {
           distance[static_cast<std::size_t>(v)] = d;
-          role[static_cast<std::size_t>(v)] = end.insertion ? Role::Insertion : Role::Origin;
+          endOf[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(e);
         }
       }
     }
-    if (end.figure.area > 0.0) {
-      end.figure.centroid /= end.figure.area;
-    } else {
-      end.figure.centroid = end.place;
-    }
   }
-  return role;
+  return endOf;
 }
 
 Vector3 componentCentroid(const MuscleMesh& muscle, std::int32_t component) {
@@ -196,8 +219,9 @@ Result<SelectedEnds> selectEnds(const MuscleMesh& muscle, const CurveGuide& guid
     }
   }
 
-  out.role = assignRoles(chosen, muscle, faces);
-  for (const End& end : chosen) {
+  out.end = assignVertices(chosen, muscle);
+  for (End& end : chosen) {
+    out.values.push_back(finishEnd(end, muscle, faces, guide, options));
     (end.insertion ? out.insertions : out.origins).push_back(end.figure);
   }
 
@@ -205,7 +229,7 @@ Result<SelectedEnds> selectEnds(const MuscleMesh& muscle, const CurveGuide& guid
   std::vector<std::array<bool, 2>> has(muscle.componentVolume.size(), {false, false});
   for (Eigen::Index t = 0; t < muscle.mesh.T.rows(); ++t) {
     for (int k = 0; k < 4; ++k) {
-      const Role r = out.role[static_cast<std::size_t>(muscle.mesh.T(t, k))];
+      const Role r = out.role(static_cast<std::size_t>(muscle.mesh.T(t, k)));
       if (r != Role::None)
         has[static_cast<std::size_t>(muscle.component[static_cast<std::size_t>(t)])]
            [r == Role::Insertion ? 1 : 0] = true;

@@ -122,7 +122,7 @@ std::int64_t countInteriorExtrema(const MuscleMesh& m, const Eigen::VectorXd& u,
         ends.speck[static_cast<std::size_t>(m.component[static_cast<std::size_t>(t)])];
     for (int a = 0; a < 4; ++a) {
       const auto v = static_cast<std::size_t>(m.mesh.T(t, a));
-      counts[v] = !speck && ends.role[v] == Role::None;
+      counts[v] = !speck && ends.end[v] < 0;
       for (int b = 0; b < 4; ++b) {
         if (a == b) continue;
         lowest[v] = std::min(lowest[v], u[m.mesh.T(t, b)]);
@@ -160,7 +160,7 @@ void traceLengths(MuscleResult& r, const FlowPotential& flow, const SelectedEnds
   if (options.tracedCount <= 0) return;
   double length = 0.0;
   for (std::int32_t c = 0; c < guide.curveCount(); ++c) length = std::max(length, guide.length(c));
-  TracedFibers traced = traceFibers(r.muscle, flow.u, r.vertexFiber, ends.role, options.tracedCount,
+  TracedFibers traced = traceFibers(r.muscle, flow.u, r.vertexFiber, ends.end, options.tracedCount,
                                     length / 100, options.tendonShare.value_or(0.0));
   const auto count = static_cast<double>(traced.length.size());
   if (traced.length.empty()) return;

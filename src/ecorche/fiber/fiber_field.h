@@ -35,7 +35,8 @@ using MuscleEnds = std::vector<CurveEnds>;
 
 /// What the unknowns of the flow live on.
 enum class FlowElements : std::uint8_t {
-  /// The domain's tets, each with the muscle's volume inside: well shaped however the envelope cuts them.
+  /// The domain's tets, each with the muscle's volume inside: well shaped however the envelope cuts
+  /// them.
   DomainTets,
   /// The anatomy's own tets, for comparison: their slivers have gradients of any direction.
   AnatomyTets,
@@ -51,6 +52,10 @@ struct FiberOptions {
   double attachmentReachRel = 1.0;
   /// How far an attachment reaches in space from the curve's end, over the local radius [unitless].
   double attachmentRadiusRel = 4.0;
+  /// How much the flow's values on an attachment tilt with a curve that meets it at a slant, so
+  /// that fibres leave along the curve and not squarely. 0: an attachment has one value, as in the
+  /// paper; 1: as much as the flow that the muscle's thickness suggests, an estimate [unitless].
+  double slant = 0.75;
   /// First and last share of the flow that is tendon, each in (0, 0.5). Unset: no tendon
   /// [unitless].
   std::optional<double> tendonShare;

@@ -65,8 +65,8 @@ std::vector<Seed> placeSeeds(const MuscleMesh& m, const Eigen::VectorXd& u, int 
 class Walker {
  public:
   Walker(const MuscleMesh& muscle, const Eigen::VectorXd& u, const mesh::Directions& fiber,
-         const std::vector<Role>& role)
-      : m_(muscle), u_(u), fiber_(fiber), role_(role) {}
+         const std::vector<std::int32_t>& end)
+      : m_(muscle), u_(u), fiber_(fiber), end_(end) {}
 
   void place(std::int32_t tet, const Vector3& x) {
     tet_ = tet;
@@ -143,7 +143,7 @@ class Walker {
 
   [[nodiscard]] bool isEnd(int corner) const {
     for (const int c : mesh::kTetFace[corner]) {
-      if (role_[static_cast<std::size_t>(m_.mesh.T(tet_, c))] == Role::None) return false;
+      if (end_[static_cast<std::size_t>(m_.mesh.T(tet_, c))] < 0) return false;
     }
     return true;
   }
@@ -167,14 +167,15 @@ class Walker {
   const MuscleMesh& m_;
   const Eigen::VectorXd& u_;
   const mesh::Directions& fiber_;
-  const std::vector<Role>& role_;
+  const std::vector<std::int32_t>& end_;
   std::int32_t tet_ = -1;
   Vector3 x_ = Vector3::Zero();
   int exitCorner_ = 0;
   Vector3 remaining_ = Vector3::Zero();
 };
 
-// From a seed in one direction to the value `goal`; nothing where the fibre stops on the way.
+// From a seed in one direction through an end or to the value `goal`; nothing where the fibre stops
+// on the way.
 std::optional<std::vector<Vector3>> follow(Walker walker, const Seed& seed, double sign,
                                            double step, double goal) {
   walker.place(seed.tet, seed.point);
@@ -184,13 +185,17 @@ std::optional<std::vector<Vector3>> follow(Walker walker, const Seed& seed, doub
   while (line.size() < 5000) {
     const bool inside = walker.advance(step, sign);
     line.push_back(walker.point());
-    const double flow = sign * walker.flow();
-    if (flow >= sign * goal - 1e-6) return line;
-    // Off through an end before the goal: on the rim of an attachment, close enough to be one
     if (!inside) return line;
+    const double flow = sign * walker.flow();
+    if (flow >= sign * goal) return line;
     idle = flow > best ? 0 : idle + 1;
     best = std::max(best, flow);
-    if (idle >= 8) return std::nullopt;
+    if (idle < 8) continue;
+    // On the rim of an attachment a fibre may run into its corner
+    line.resize(line.size() - static_cast<std::size_t>(idle));
+    const double remaining = sign > 0.0 ? 1.0 - best : -best;
+    if (remaining < 0.05) return line;
+    return std::nullopt;
   }
   return std::nullopt;
 }
@@ -204,13 +209,18 @@ double lengthOf(const std::vector<Vector3>& line) {
 }  // namespace
 
 TracedFibers traceFibers(const MuscleMesh& muscle, const Eigen::VectorXd& u,
-                         const mesh::Directions& vertexFiber, const std::vector<Role>& role,
+                         const mesh::Directions& vertexFiber, const std::vector<std::int32_t>& end,
                          int count, double step, double share) {
   TracedFibers out;
-  const Walker walker(muscle, u, vertexFiber, role);
+  // Values on a slanted attachment spread about 0 and 1: without tendon only its faces tell where a
+  // fibre ends
+  constexpr double kNever = 10.0;
+  const double first = share > 0.0 ? share : -kNever;
+  const double last = share > 0.0 ? 1.0 - share : kNever;
+  const Walker walker(muscle, u, vertexFiber, end);
   for (const Seed& seed : placeSeeds(muscle, u, count)) {
-    const auto back = follow(walker, seed, -1.0, step, share);
-    const auto on = follow(walker, seed, 1.0, step, 1.0 - share);
+    const auto back = follow(walker, seed, -1.0, step, first);
+    const auto on = follow(walker, seed, 1.0, step, last);
     if (!back || !on) continue;
     std::vector<Vector3> line(back->rbegin(), back->rend());
     line.insert(line.end(), on->begin() + 1, on->end());

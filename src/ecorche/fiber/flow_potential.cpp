@@ -20,6 +20,7 @@ struct Problem {
   std::vector<double> volume;           // that the muscle has in each element
   std::vector<Eigen::Matrix3d> tensor;  // mean over that volume
   std::vector<Role> held;               // per node
+  std::vector<double> value;            // per node, where it is held
 };
 
 // I + γ φ (I − t tᵀ): moving potential across the tube is cheap to equalise, so the gradient turns
@@ -62,13 +63,13 @@ bool everyGroupHeld(const Problem& p) {
   return true;
 }
 
-// Minimises Σ V ∇uᵀ A ∇u with the held nodes at 0 and 1.
+// Minimises Σ V ∇uᵀ A ∇u with the held nodes at their values.
 Result<Eigen::VectorXd> solve(const Problem& p, const std::string& name) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.held.size()));
   std::vector<std::uint8_t> fixed(p.held.size());
   for (std::size_t v = 0; v < p.held.size(); ++v) {
     fixed[v] = p.held[v] != Role::None;
-    if (p.held[v] == Role::Insertion) u[static_cast<Eigen::Index>(v)] = 1.0;
+    if (fixed[v]) u[static_cast<Eigen::Index>(v)] = p.value[v];
   }
   const mesh::StiffnessPattern pattern = mesh::stiffnessPattern(p.mesh, fixed);
   if (pattern.rowCount() == 0) return u;
@@ -122,6 +123,10 @@ struct Discretised {
   [[nodiscard]] std::int32_t node(std::int32_t id) const {
     const auto at = std::ranges::lower_bound(nodeId, id);
     return at != nodeId.end() && *at == id ? static_cast<std::int32_t>(at - nodeId.begin()) : -1;
+  }
+  void hold(std::int32_t n, const EndValues& values) {
+    problem.held[static_cast<std::size_t>(n)] = values.role;
+    problem.value[static_cast<std::size_t>(n)] = values.at(problem.mesh.V.row(n).transpose());
   }
 };
 
@@ -179,6 +184,7 @@ Discretised discretise(const MuscleMesh& muscle, const SelectedEnds& ends, const
     p.volume[e] = std::max(p.volume[e], least);
   }
   p.held.assign(d.nodeId.size(), Role::None);
+  p.value.assign(d.nodeId.size(), 0.0);
   return d;
 }
 
@@ -191,11 +197,12 @@ void holdDomainNodes(Discretised& d, const MuscleMesh& muscle, const envelope::A
     return at != muscle.vertexId.end() && *at == id ? at - muscle.vertexId.begin() : -1;
   };
   for (std::size_t v = 0; v < muscle.vertexId.size(); ++v) {
-    if (ends.role[v] == Role::None) continue;
+    if (ends.end[v] < 0) continue;
+    const EndValues& values = ends.values[static_cast<std::size_t>(ends.end[v])];
     const std::int32_t id = muscle.vertexId[v];
     if (id < domainVertexCount) {
       const std::int32_t node = d.node(id);
-      if (node >= 0) d.problem.held[static_cast<std::size_t>(node)] = ends.role[v];
+      if (node >= 0) d.hold(node, values);
       continue;
     }
     const auto& origin = anatomy.origin[static_cast<std::size_t>(id - domainVertexCount)];
@@ -204,8 +211,8 @@ void holdDomainNodes(Discretised& d, const MuscleMesh& muscle, const envelope::A
       const std::int32_t node = d.node(origin.corner[k]);
       if (node < 0) continue;
       const bool outside = localVertex(origin.corner[k]) < 0;
-      Role& held = d.problem.held[static_cast<std::size_t>(node)];
-      if ((outside || all) && held == Role::None) held = ends.role[v];
+      const bool free = d.problem.held[static_cast<std::size_t>(node)] == Role::None;
+      if ((outside || all) && free) d.hold(node, values);
     }
   }
 }
@@ -287,7 +294,8 @@ Result<FlowPotential> solveOnAnatomyTets(const MuscleMesh& muscle, const Selecte
   std::iota(itself.begin(), itself.end(), 0);
   Discretised d = discretise(muscle, ends, guide, nearestOfTet, options, muscle.mesh, itself);
   for (std::size_t n = 0; n < d.nodeId.size(); ++n) {
-    d.problem.held[n] = ends.role[static_cast<std::size_t>(d.nodeId[n])];
+    const std::int32_t end = ends.end[static_cast<std::size_t>(d.nodeId[n])];
+    if (end >= 0) d.hold(static_cast<std::int32_t>(n), ends.values[static_cast<std::size_t>(end)]);
   }
   auto nodeU = solve(d.problem, name);
   if (!nodeU) return passOn(nodeU);
