@@ -237,6 +237,8 @@ TEST_CASE("a broken MEDIT file says what is wrong and in which line") {
   CHECK(errorOf(head + vertices + "Tetrahedra\n1\n1 2 3 4 7\n").code == ErrorCode::FileTruncated);
   CHECK(errorOf(head + "Vertices\n99999999\n0 0 0 0\n").code == ErrorCode::FileTruncated);
   CHECK(errorOf("MeshVersionFormatted 2\nDimension 2\n").code == ErrorCode::FileSyntax);
+  CHECK(errorOf(head + vertices + "Tetrahedra\n1\n1 2 3 4 7\nVertices\n1\n0 0 0 0\nEnd\n").code ==
+        ErrorCode::FileSyntax);
   const Error outside = errorOf(head + vertices + "Tetrahedra\n1\n1 2 3 5 7\nEnd\n");
   CHECK(outside.code == ErrorCode::FileSyntax);
   CHECK(outside.place.line == 13);
@@ -259,4 +261,48 @@ TEST_CASE("a folder that cannot be written is an error with a name") {
   const auto written = exchange::writeOutput("/nonexistent/folder", sample().contents(), {}, run);
   REQUIRE_FALSE(written);
   CHECK(written.error().code == ErrorCode::FileNotWritable);
+}
+
+TEST_CASE("any bytes give a mesh that hangs together or an error") {
+  // A small file of each kind with bytes changed, cut out and doubled at random
+  test::TempFolder temp;
+  test::writeSample(test::makeSample("m", {10, 10, 2}), temp.path());
+  std::mt19937_64 random(5);
+  const auto whole = [](const AnatomyFile& a) {
+    const bool corners =
+        a.mesh.T.rows() == 0 || (a.mesh.T.minCoeff() >= 0 && a.mesh.T.maxCoeff() < a.mesh.V.rows());
+    const bool faces = a.F.rows() == 0 || (a.F.minCoeff() >= 0 && a.F.maxCoeff() < a.mesh.V.rows());
+    return corners && faces && static_cast<Eigen::Index>(a.tissue.size()) == a.mesh.T.rows() &&
+           static_cast<Eigen::Index>(a.reference.size()) == a.F.rows();
+  };
+  for (const char* name : {"anatomy.vtu", "anatomy.mesh"}) {
+    const std::string good = readFile(temp.path() / name).value();
+    for (int k = 0; k < 400; ++k) {
+      std::string bytes = good;
+      const int changes = 1 + k % 4;
+      for (int c = 0; c < changes && !bytes.empty(); ++c) {
+        // Headers matter most
+        const std::size_t range =
+            k % 2 == 0 ? std::min<std::size_t>(bytes.size(), 2500) : bytes.size();
+        const std::size_t at = random() % range;
+        const std::size_t length = 1 + random() % 40;
+        switch (random() % 3) {
+          case 0:
+            bytes[at] = static_cast<char>(random());
+            break;
+          case 1:
+            bytes.erase(at, length);
+            break;
+          default:
+            bytes.insert(at, bytes.substr(at, length));
+            break;
+        }
+      }
+      if (bytes.empty()) continue;
+      const auto file = temp.path() / "spoilt";
+      overwrite(file, bytes);
+      const auto back = std::string_view(name) == "anatomy.vtu" ? readVtu(file) : readMedit(file);
+      if (back) REQUIRE(whole(*back));
+    }
+  }
 }

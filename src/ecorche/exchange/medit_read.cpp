@@ -30,17 +30,17 @@ Result<std::int32_t> readSimplex(LineReader& lines, std::int64_t vertexCount, st
   return static_cast<std::int32_t>(reference);
 }
 
-// The number behind a keyword: on the same line or on the next.
-Result<std::int64_t> readCount(LineReader& lines, const char* what) {
+// The number behind a keyword: on the same line or on the next. `least`: bytes that each line takes
+// at least.
+Result<std::int64_t> readCount(LineReader& lines, const char* what, std::size_t least) {
   if (lines.atLineEnd() && !lines.next())
     return lines.brokenOff(fmt::format("the number of {} is missing", what));
   std::int64_t count = 0;
   if (auto ok = lines.integer(count, what); !ok) return passOn(ok);
-  // No line is shorter than two bytes: a count beyond that is a broken file, not a reason to ask
-  // for memory
+  // A count beyond what the file can hold is a broken file, not a reason to ask for memory
   if (count < 0 || count > INT32_MAX)
     return lines.fault(fmt::format("{} {} cannot be", count, what));
-  if (static_cast<std::size_t>(count) > lines.size()) {
+  if (least * static_cast<std::size_t>(count) > lines.size()) {
     return lines.brokenOff(
         fmt::format("{} {} are announced, more than the file can hold", count, what));
   }
@@ -65,13 +65,15 @@ Result<AnatomyFile> readMedit(const std::filesystem::path& file) {
   while (!ended && lines.next()) {
     const std::string_view keyword = lines.word();
     if (keyword == "Dimension") {
-      const auto dimension = readCount(lines, "Dimension");
+      const auto dimension = readCount(lines, "Dimension", 0);
       if (!dimension) return passOn(dimension);
       if (*dimension != 3)
         return lines.fault(fmt::format("dimension {}; a mesh in 3D is needed", *dimension));
     } else if (keyword == "Vertices") {
-      const auto count = readCount(lines, "vertices");
+      const auto count = readCount(lines, "vertices", 6);
       if (!count) return passOn(count);
+      // Corners that were read already would point into other vertices
+      if (vertexCount > 0) return lines.fault("the file has two lists of vertices");
       vertexCount = *count;
       out.mesh.V.resize(vertexCount, 3);
       for (std::int64_t v = 0; v < vertexCount; ++v) {
@@ -81,7 +83,7 @@ Result<AnatomyFile> readMedit(const std::filesystem::path& file) {
         }
       }
     } else if (keyword == "Triangles") {
-      const auto count = readCount(lines, "triangles");
+      const auto count = readCount(lines, "triangles", 8);
       if (!count) return passOn(count);
       out.F.resize(*count, 3);
       out.reference.resize(static_cast<std::size_t>(*count));
@@ -91,7 +93,7 @@ Result<AnatomyFile> readMedit(const std::filesystem::path& file) {
         out.reference[static_cast<std::size_t>(f)] = *reference;
       }
     } else if (keyword == "Tetrahedra") {
-      const auto count = readCount(lines, "tetrahedra");
+      const auto count = readCount(lines, "tetrahedra", 10);
       if (!count) return passOn(count);
       out.mesh.T.resize(*count, 4);
       out.tissue.resize(static_cast<std::size_t>(*count));

@@ -21,9 +21,9 @@ class VtuReader {
     AnatomyFile out;
     const pugi::xml_node grid = xml_.child("VTKFile").child("UnstructuredGrid");
     const pugi::xml_node piece = grid.child("Piece");
-    const auto vertexCount = count(piece, "NumberOfPoints");
+    const auto vertexCount = count(piece, "NumberOfPoints", 24);
     if (!vertexCount) return passOn(vertexCount);
-    const auto tetCount = count(piece, "NumberOfCells");
+    const auto tetCount = count(piece, "NumberOfCells", 29);
     if (!tetCount) return passOn(tetCount);
 
     out.mesh.V.resize(*vertexCount, 3);
@@ -117,7 +117,9 @@ class VtuReader {
     return {};
   }
 
-  Result<std::int64_t> count(const pugi::xml_node& piece, const char* attribute) const {
+  // `least`: bytes that one of them takes at least.
+  Result<std::int64_t> count(const pugi::xml_node& piece, const char* attribute,
+                             std::size_t least) const {
     const std::string_view text = piece.attribute(attribute).value();
     std::int64_t value = -1;
     const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -125,7 +127,7 @@ class VtuReader {
       return fault(ErrorCode::FileSyntax, fmt::format("{} is missing or no count", attribute));
     }
     // A header may not ask for more memory than the file could fill
-    if (static_cast<std::size_t>(value) > bytes_.size()) {
+    if (least * static_cast<std::size_t>(value) > bytes_.size()) {
       return fault(ErrorCode::FileTruncated,
                    fmt::format("{} is {}, more than the file can hold", attribute, value));
     }
