@@ -30,7 +30,12 @@ namespace {
 constexpr std::size_t kLastWordsKept = 4096;
 constexpr int kPatienceMs = 20;
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ECORCHE_SHADOW_MEMORY  // as clang says it
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(ECORCHE_SHADOW_MEMORY)
 constexpr bool kLimitMemory = false;  // its shadow memory alone is larger than any limit
 #else
 constexpr bool kLimitMemory = true;

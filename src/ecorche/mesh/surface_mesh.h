@@ -15,11 +15,12 @@ struct Part {
   std::int32_t faceCount = 0;
 };
 
-/// Triangles over shared vertices; nothing is promised beyond valid indices (checks.h tells the rest).
+/// Triangles over shared vertices; nothing is promised beyond valid indices (surface_check.h tells
+/// the rest).
 struct SurfaceMesh {
   std::string name;
-  Positions V;  ///< #V×3 [m]
-  Triangles F;  ///< #F×3, counter-clockwise from outside where the mesh is oriented
+  Positions V;              ///< #V×3 [m]
+  Triangles F;              ///< #F×3, counter-clockwise from outside where the mesh is oriented
   std::vector<Part> parts;  ///< in face order, covering all faces; empty: one unnamed part
 
   [[nodiscard]] bool empty() const { return F.rows() == 0; }
@@ -47,11 +48,13 @@ struct Box {
 /// Box of the vertices that faces use.
 [[nodiscard]] Box boundingBox(const SurfaceMesh& mesh);
 
-/// Signed volume enclosed [m³]: positive where triangles face outward. Meaningful for closed meshes.
+/// Signed volume enclosed [m³]: positive where triangles face outward. Meaningful for closed
+/// meshes.
 [[nodiscard]] double signedVolume(const Positions& V, const Triangles& F);
 [[nodiscard]] double surfaceArea(const Positions& V, const Triangles& F);
 
-/// Unit normals at vertices, faces weighted by their angle there [Thürmer & Wüthrich 1998]. Unused vertices: zero.
+/// Unit normals at vertices, faces weighted by their angle there [Thürmer & Wüthrich 1998]. Unused
+/// vertices: zero.
 [[nodiscard]] Directions vertexNormals(const Positions& V, const Triangles& F);
 
 /// The same surface without vertices that no face uses; order of the rest is kept.

@@ -67,11 +67,17 @@ class Repair {
            double(before.unusedVertices));
     }
     const double diagonal = boundingBox(mesh_).diagonal();
+    speckExtent_ = options_.speckRel * diagonal;
+    if (before.isSound() && std::ranges::none_of(before.components, [&](const auto& c) {
+          return c.inward || c.box.diagonal() < speckExtent_;
+        })) {
+      return RepairedSurface{.mesh = compacted(mesh_), .findings = std::move(findings_)};
+    }
     faces_ = labelled(mesh_);
     if (!before.isSound()) {
       if (auto ok = mend(diagonal, before); !ok) return passOn(ok);
     }
-    report("speck", dropSpecks(faces_, options_.speckRel * diagonal),
+    report("speck", dropSpecks(faces_, speckExtent_),
            "dropped {} small pieces, up to {:.3g} m across");
     if (faces_.F.rows() == 0) return nothingLeft();
     if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
@@ -94,7 +100,7 @@ class Repair {
     report("duplicate-faces", dropDoubled(faces_),
            "dropped {} faces that lay upon others or between touching pieces");
     // Before anything is split or filled, so that a stray face is not taken for a surface
-    report("speck", dropSpecks(faces_, options_.speckRel * diagonal),
+    report("speck", dropSpecks(faces_, speckExtent_),
            "dropped {} small pieces, up to {:.3g} m across");
     if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
     if (faces_.F.rows() == 0) return {};
@@ -167,6 +173,7 @@ class Repair {
   const RepairOptions& options_;
   RunContext& run_;
   LabelledFaces faces_;
+  double speckExtent_ = 0.0;  // [m]
   Findings findings_;
 };
 
