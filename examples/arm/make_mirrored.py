@@ -32,13 +32,13 @@ CROSSING = [
     Muscle("pectoralis_major", "trunk", 2, [
         Head("upper part", ("median", w(101, 0, -62)), [w(101, 24, -62), w(84, 84, -52), w(40, 150, -30)],
              ("humerus", u(18, 14, 52))),
-        Head("lower part", ("median", w(101, 0, -118)), [w(101, 24, -118), w(80, 90, -92), w(38, 148, -62)],
+        Head("lower part", ("median", w(101, 0, -118)), [w(101, 24, -118), w(80, 90, -92), w(48, 150, -62), w(41, 188, -62)],
              ("humerus", u(17, 13, 66))),
-    ]),
+    ], value=0.6),
     Muscle("trapezius", "trunk", 2, [
         Head("upper part", ("median", w(-88, 0, 18)), [w(-88, 24, 18), w(-86, 62, 34)], ("scapula", s(-40, 28, 24))),
         Head("lower part", ("median", w(-92, 0, -40)), [w(-92, 24, -40), w(-92, 58, -14)], ("scapula", s(-88, 12, 18))),
-    ]),
+    ], value=0.5),
 ]
 
 
