@@ -29,6 +29,7 @@ struct Subcommand {
 
 constexpr Subcommand kSubcommands[] = {
     {"import", worker::importMesh},
+    {"tetrahedralize", worker::tetrahedralizeSurface},
 };
 
 Result<void> dispatch(const std::string& name, const worker::Arguments& arguments) {

@@ -14,4 +14,8 @@ using Arguments = std::vector<std::string>;
 /// @errors FileSyntax, FileNotWritable
 Result<void> importMesh(const Arguments& arguments);
 
+/// `tetrahedralize INPUT OUTPUT`: a closed surface and points inside it, as tets (domain/tet_files.h), by TetGen.
+/// @errors MeshingFailed (what TetGen refuses, with its reason), OutOfMemory, FileNotWritable
+Result<void> tetrahedralizeSurface(const Arguments& arguments);
+
 }  // namespace ecorche::worker

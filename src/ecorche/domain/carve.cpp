@@ -1,0 +1,465 @@
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/bbox.h>
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/Polygon_mesh_processing/intersection.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Side_of_triangle_mesh.h>
+#include <CGAL/Surface_mesh.h>
+#include <ecorche/domain/carve.h>
+#include <ecorche/domain/wrap.h>
+#include <ecorche/mesh/surface_mesh.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <unordered_map>
+
+namespace ecorche::domain {
+
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Mesh = CGAL::Surface_mesh<Point>;
+using TagMap = Mesh::Property_map<Mesh::Face_index, std::int32_t>;
+using Inside = CGAL::Side_of_triangle_mesh<Mesh, Kernel>;
+
+TagMap tagsOf(Mesh& mesh) {
+  return mesh.add_property_map<Mesh::Face_index, std::int32_t>("f:tag", 0).first;
+}
+
+/// Faces of a mesh that is not a manifold are refused.
+std::optional<Mesh> toCgal(const TaggedSurface& surface) {
+  Mesh mesh;
+  TagMap tags = tagsOf(mesh);
+  mesh.reserve(static_cast<Mesh::size_type>(surface.V.rows()),
+               static_cast<Mesh::size_type>(surface.F.rows()) * 3 / 2,
+               static_cast<Mesh::size_type>(surface.F.rows()));
+  for (Eigen::Index v = 0; v < surface.V.rows(); ++v) {
+    mesh.add_vertex(Point(surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)));
+  }
+  const auto vertex = [](std::int32_t v) {
+    return Mesh::Vertex_index(static_cast<Mesh::size_type>(v));
+  };
+  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
+    const auto face =
+        mesh.add_face(vertex(surface.F(f, 0)), vertex(surface.F(f, 1)), vertex(surface.F(f, 2)));
+    if (face == Mesh::null_face()) return std::nullopt;
+    tags[face] = surface.tag[static_cast<std::size_t>(f)];
+  }
+  // Vertices that no face uses are no part of the surface
+  for (const auto v : mesh.vertices()) {
+    if (mesh.is_isolated(v)) mesh.remove_vertex(v);
+  }
+  if (mesh.has_garbage()) mesh.collect_garbage();
+  return mesh;
+}
+
+TaggedSurface fromCgal(Mesh& mesh) {
+  if (mesh.has_garbage()) mesh.collect_garbage();
+  TagMap tags = tagsOf(mesh);
+  TaggedSurface out;
+  out.V.resize(static_cast<Eigen::Index>(mesh.number_of_vertices()), 3);
+  out.F.resize(static_cast<Eigen::Index>(mesh.number_of_faces()), 3);
+  out.tag.reserve(mesh.number_of_faces());
+  for (const auto v : mesh.vertices()) {
+    const Point& p = mesh.point(v);
+    out.V.row(static_cast<Eigen::Index>(v.idx())) << p.x(), p.y(), p.z();
+  }
+  for (const auto f : mesh.faces()) {
+    int k = 0;
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
+      out.F(static_cast<Eigen::Index>(f.idx()), k++) = static_cast<std::int32_t>(v.idx());
+    }
+    out.tag.push_back(tags[f]);
+  }
+  return out;
+}
+
+/// Hands the tag of a face on to the pieces that corefinement makes of it.
+struct TagVisitor : PMP::Corefinement::Default_visitor<Mesh> {
+  struct State {
+    std::unordered_map<const Mesh*, TagMap> maps;
+    std::int32_t splitting = 0;
+  };
+  std::shared_ptr<State> state = std::make_shared<State>();
+
+  void know(Mesh& mesh) { state->maps.insert_or_assign(&mesh, tagsOf(mesh)); }
+  void before_subface_creations(Mesh::Face_index f, Mesh& mesh) {
+    state->splitting = state->maps.at(&mesh)[f];
+  }
+  void after_subface_created(Mesh::Face_index f, Mesh& mesh) {
+    state->maps.at(&mesh)[f] = state->splitting;
+  }
+  void after_face_copy(Mesh::Face_index from, const Mesh& source, Mesh::Face_index to,
+                       Mesh& target) {
+    state->maps.at(&target)[to] = state->maps.at(&source)[from];
+  }
+};
+
+enum class Operation { Union, Difference, Intersection };
+
+/// a := a op b with tags. False, and a untouched, where the result would not be a manifold or the
+/// library gives up.
+bool combine(Mesh& a, const Mesh& b, Operation operation) {
+  Mesh left = a;
+  Mesh right = b;
+  Mesh out;
+  TagVisitor visitor;
+  visitor.know(left);
+  visitor.know(right);
+  visitor.know(out);
+  const auto np1 = CGAL::parameters::visitor(visitor).throw_on_self_intersection(true);
+  bool valid = false;
+  try {
+    switch (operation) {
+      case Operation::Union:
+        valid = PMP::corefine_and_compute_union(left, right, out, np1);
+        break;
+      case Operation::Difference:
+        valid = PMP::corefine_and_compute_difference(left, right, out, np1);
+        break;
+      case Operation::Intersection:
+        valid = PMP::corefine_and_compute_intersection(left, right, out, np1);
+        break;
+    }
+  } catch (const std::exception&) {
+    // Self-intersection found on the way, or a precondition that bad geometry breaks
+    return false;
+  }
+  if (!valid) return false;
+  a = std::move(out);
+  return true;
+}
+
+/// The half space of a cut plane as a box so large that only its first face matters.
+Mesh halfSpace(const CutPlane& plane, std::int32_t tag, double size) {
+  const mesh::Vector3 n = plane.normal.normalized();
+  // For a normal along an axis u and v are axes too, and the corners lie on the plane exactly
+  int least = 0;
+  n.cwiseAbs().minCoeff(&least);
+  const mesh::Vector3 u = n.cross(mesh::Vector3::Unit(least)).normalized();
+  const mesh::Vector3 v = n.cross(u);
+  Mesh box;
+  std::vector<Mesh::Vertex_index> corner;
+  for (const double height : {0.0, size}) {
+    for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      const mesh::Vector3 p = plane.point + a * size * u + b * size * v + height * n;
+      corner.push_back(box.add_vertex(Point(p.x(), p.y(), p.z())));
+    }
+  }
+  TagMap tags = tagsOf(box);
+  constexpr int kFaces[12][3] = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                                 {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  const bool mirrored = u.cross(v).dot(n) < 0;
+  for (const auto& f : kFaces) {
+    const auto face = mirrored ? box.add_face(corner[f[0]], corner[f[2]], corner[f[1]])
+                               : box.add_face(corner[f[0]], corner[f[1]], corner[f[2]]);
+    tags[face] = tag;
+  }
+  return box;
+}
+
+/// Puts the vertices of the faces on cut plane `tag` onto it.
+void snapToPlane(Mesh& mesh, const CutPlane& plane, std::int32_t tag) {
+  const mesh::Vector3 n = plane.normal.normalized();
+  TagMap tags = tagsOf(mesh);
+  for (const auto f : mesh.faces()) {
+    if (tags[f] != tag) continue;
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
+      const Point& p = mesh.point(v);
+      mesh::Vector3 q(p.x(), p.y(), p.z());
+      q -= n.dot(q - plane.point) * n;
+      // Along an axis the coordinate itself, so that no rounding is left
+      for (int k = 0; k < 3; ++k) {
+        if (std::abs(n[k]) == 1.0) q[k] = plane.point[k];
+      }
+      mesh.point(v) = Point(q.x(), q.y(), q.z());
+    }
+  }
+}
+
+mesh::Vector3 anyPoint(const Mesh& mesh) {
+  const Point& p = mesh.point(*mesh.vertices().begin());
+  return {p.x(), p.y(), p.z()};
+}
+
+/// One hole on its way into the domain.
+struct Item {
+  const Hole* hole = nullptr;
+  std::optional<Mesh> mesh;
+  CGAL::Bbox_3 box;
+};
+
+/// Groups of items whose surfaces meet, or of which one holds another.
+std::vector<std::vector<std::size_t>> clustersOf(const std::vector<Item>& items) {
+  std::vector<std::size_t> root(items.size());
+  std::iota(root.begin(), root.end(), std::size_t{0});
+  const auto find = [&](std::size_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  std::vector<std::unique_ptr<Inside>> inside(items.size());
+  const auto holds = [&](std::size_t outer, std::size_t inner) {
+    if (!items[outer].hole->fit) return false;
+    if (!inside[outer]) inside[outer] = std::make_unique<Inside>(*items[outer].mesh);
+    const auto p = items[inner].mesh->point(*items[inner].mesh->vertices().begin());
+    return (*inside[outer])(p) != CGAL::ON_UNBOUNDED_SIDE;
+  };
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    for (std::size_t j = i + 1; j < items.size(); ++j) {
+      if (find(i) == find(j) || !CGAL::do_overlap(items[i].box, items[j].box)) continue;
+      if (PMP::do_intersect(*items[i].mesh, *items[j].mesh) || holds(i, j) || holds(j, i)) {
+        root[std::max(find(i), find(j))] = std::min(find(i), find(j));
+      }
+    }
+  }
+  std::vector<std::vector<std::size_t>> clusters;
+  std::unordered_map<std::size_t, std::size_t> slot;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const auto [it, fresh] = slot.try_emplace(find(i), clusters.size());
+    if (fresh) clusters.emplace_back();
+    clusters[it->second].push_back(i);
+  }
+  return clusters;
+}
+
+std::string namesOf(const std::vector<Item>& items, const std::vector<std::size_t>& cluster) {
+  std::string names;
+  for (const std::size_t i : cluster) {
+    if (!names.empty()) names += ", ";
+    names += items[i].hole->name;
+  }
+  return names;
+}
+
+bool beyondCutPlane(const mesh::SurfaceMesh& mesh, const CutPlane& plane) {
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
+    if (plane.normal.dot(mesh.V.row(v).transpose() - plane.point) > 0.0) return false;
+  }
+  return true;
+}
+
+class Carver {
+ public:
+  Carver(const CarveInput& input, const CarveOptions& options, RunContext& run)
+      : input_(input),
+        options_(options),
+        run_(run),
+        size_(4.0 * mesh::boundingBox(input.skin).diagonal()) {}
+
+  Result<Carved> operator()() {
+    auto skin = toCgal(tagged(input_.skin, {BoundaryTag::Kind::Skin, 0}));
+    if (!skin) {
+      return fail(ErrorCode::MeshNotRepairable, "the skin is not a manifold surface",
+                  {.object = input_.skin.name});
+    }
+    skin_ = std::move(*skin);
+    if (auto gathered = gatherHoles(); !gathered) return passOn(gathered);
+    if (auto cut = cutAtPlanes(); !cut) return passOn(cut);
+    if (auto taken = takeHolesOut(); !taken) return passOn(taken);
+    if (skin_.number_of_faces() == 0) {
+      return fail(ErrorCode::EmptyDomain,
+                  "nothing is left of the skin after bones and cut planes were taken away",
+                  {.object = input_.skin.name});
+    }
+    out_.surface = fromCgal(skin_);
+    return std::move(out_);
+  }
+
+ private:
+  void note(Severity severity, std::string kind, std::string object, std::string message,
+            std::optional<mesh::Vector3> point = {}, double size = 0.0) {
+    out_.findings.push_back(
+        {severity, std::move(kind), std::move(object), std::move(message), point, size});
+  }
+
+  /// Leaves out what lies beyond a cut plane or outside the skin, and measures what pokes out.
+  Result<void> gatherHoles() {
+    const Inside insideSkin(skin_);
+    const CGAL::Bbox_3 skinBox = PMP::bbox(skin_);
+    int boneCount = 0;
+    int outsideCount = 0;
+    for (const Hole& hole : input_.holes) {
+      if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
+      const bool beyond = std::ranges::any_of(input_.cutPlanes, [&](const CutPlane& plane) {
+        return beyondCutPlane(hole.mesh, plane);
+      });
+      const bool bone = hole.tag.kind == BoundaryTag::Kind::Bone;
+      boneCount += bone;
+      if (beyond) {
+        out_.leftOut.push_back(hole.name);
+        continue;
+      }
+      Item item{&hole, toCgal(tagged(hole.mesh, hole.tag)), {}};
+      if (!item.mesh || !hole.fit) {
+        auto wrapped = wrapHoles({&hole});
+        if (!wrapped) return passOn(wrapped);
+        item.mesh = std::move(*wrapped);
+      }
+      item.box = PMP::bbox(*item.mesh);
+      const bool crosses =
+          CGAL::do_overlap(item.box, skinBox) && PMP::do_intersect(*item.mesh, skin_);
+      const auto first = item.mesh->point(*item.mesh->vertices().begin());
+      if (!crosses && insideSkin(first) == CGAL::ON_UNBOUNDED_SIDE) {
+        outsideCount += bone;
+        out_.leftOut.push_back(hole.name);
+        note(Severity::Warning, "outside-skin", hole.name,
+             fmt::format("\"{}\" lies outside the skin and was left out", hole.name),
+             anyPoint(*item.mesh));
+        continue;
+      }
+      if (crosses) reportPokingOut(item);
+      items_.push_back(std::move(item));
+    }
+    if (boneCount > 0 && outsideCount == boneCount) {
+      return fail(ErrorCode::BonesOutsideSkin,
+                  fmt::format("all {} bones lie outside the skin; check the units and the frame of "
+                              "skin and bones",
+                              boneCount),
+                  {.object = input_.skin.name, .point = out_.findings.back().point});
+    }
+    return {};
+  }
+
+  void reportPokingOut(const Item& item) {
+    Mesh outside = *item.mesh;
+    const double whole = CGAL::to_double(PMP::volume(outside));
+    double volume = 0.0;
+    if (combine(outside, skin_, Operation::Difference)) {
+      volume = CGAL::to_double(PMP::volume(outside));
+    }
+    if (volume <= 0.0 || outside.number_of_vertices() == 0) return;
+    note(Severity::Repaired, "pokes-out", item.hole->name,
+         fmt::format(
+             "\"{}\" reaches out of the skin with {:.3g} cm³ of its {:.3g} cm³; cut off there",
+             item.hole->name, volume * 1e6, whole * 1e6),
+         anyPoint(outside), volume);
+  }
+
+  Result<Mesh> wrapHoles(const std::vector<const Hole*>& holes) {
+    auto surface = wrap(holes, options_.wrapTolerance, run_);
+    if (!surface) return passOn(surface);
+    auto mesh = toCgal(*surface);
+    if (!mesh || mesh->number_of_faces() == 0) {
+      return fail(
+          ErrorCode::MeshNotRepairable,
+          fmt::format("\"{}\" cannot be wrapped into a closed surface", holes.front()->name),
+          {.object = holes.front()->name});
+    }
+    ++out_.wrapCount;
+    std::string names;
+    for (const Hole* hole : holes) names += (names.empty() ? "" : ", ") + hole->name;
+    note(Severity::Repaired, "wrapped", holes.front()->name,
+         fmt::format("{} had to be wrapped (open, self-intersecting or touching); the wrap strays "
+                     "by at most {:.3g} mm",
+                     names, options_.wrapTolerance * 1e3),
+         anyPoint(*mesh), options_.wrapTolerance);
+    return std::move(*mesh);
+  }
+
+  Result<void> cutAtPlanes() {
+    for (std::size_t k = 0; k < input_.cutPlanes.size(); ++k) {
+      if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
+      const std::int32_t tag = packed({BoundaryTag::Kind::CutPlane, static_cast<std::int32_t>(k)});
+      // A plane through vertices or edges of the skin may leave a result that touches itself. Moved
+      // by a hair it does not; the vertices are put back onto the true plane afterwards.
+      bool done = false;
+      for (const double shift : {0.0, 1e-8, -1e-8, 1e-6}) {
+        CutPlane plane = input_.cutPlanes[k];
+        plane.point += shift * size_ * plane.normal;
+        if (combine(skin_, halfSpace(plane, tag, size_), Operation::Intersection)) {
+          done = true;
+          break;
+        }
+      }
+      if (!done) {
+        return fail(
+            ErrorCode::MeshNotRepairable,
+            fmt::format("the skin cannot be cut at plane \"{}\"; it intersects itself there",
+                        input_.cutPlanes[k].name),
+            {.object = input_.skin.name});
+      }
+      snapToPlane(skin_, input_.cutPlanes[k], tag);
+      if (skin_.number_of_faces() == 0) {
+        return fail(ErrorCode::EmptyDomain,
+                    fmt::format("nothing of the skin lies on the kept side of cut plane \"{}\"",
+                                input_.cutPlanes[k].name),
+                    {.object = input_.cutPlanes[k].name});
+      }
+    }
+    return {};
+  }
+
+  /// One closed surface from a cluster, exact where possible.
+  Result<Mesh> united(const std::vector<std::size_t>& cluster) {
+    Mesh sum = *items_[cluster.front()].mesh;
+    bool exact = true;
+    for (std::size_t k = 1; k < cluster.size() && exact; ++k) {
+      exact = combine(sum, *items_[cluster[k]].mesh, Operation::Union);
+    }
+    if (exact) return sum;
+    std::vector<const Hole*> holes;
+    for (const std::size_t i : cluster) holes.push_back(items_[i].hole);
+    return wrapHoles(holes);
+  }
+
+  Result<void> takeHolesOut() {
+    if (items_.empty()) return {};
+    Mesh all;
+    tagsOf(all);
+    std::vector<Mesh> sums;
+    const auto clusters = clustersOf(items_);
+    for (const auto& cluster : clusters) {
+      if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
+      auto sum = united(cluster);
+      if (!sum) return passOn(sum);
+      if (cluster.size() > 1) {
+        note(Severity::Note, "united", items_[cluster.front()].hole->name,
+             fmt::format("{} touch or overlap and were united", namesOf(items_, cluster)),
+             anyPoint(*sum), static_cast<double>(cluster.size()));
+      }
+      all += *sum;
+      sums.push_back(std::move(*sum));
+    }
+    if (combine(skin_, all, Operation::Difference)) return {};
+
+    // Something in there defeats the exact way: take clusters out one at a time and wrap the
+    // culprits
+    for (std::size_t c = 0; c < sums.size(); ++c) {
+      if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
+      if (combine(skin_, sums[c], Operation::Difference)) continue;
+      std::vector<const Hole*> holes;
+      for (const std::size_t i : clusters[c]) holes.push_back(items_[i].hole);
+      auto wrapped = wrapHoles(holes);
+      if (!wrapped) return passOn(wrapped);
+      if (!combine(skin_, *wrapped, Operation::Difference)) {
+        return fail(ErrorCode::MeshNotRepairable,
+                    fmt::format("{} cannot be taken out of the skin", namesOf(items_, clusters[c])),
+                    {.object = holes.front()->name, .point = anyPoint(*wrapped)});
+      }
+    }
+    return {};
+  }
+
+  const CarveInput& input_;
+  const CarveOptions& options_;
+  RunContext& run_;
+  double size_;
+  Mesh skin_;
+  std::vector<Item> items_;
+  Carved out_;
+};
+
+}  // namespace
+
+Result<Carved> carve(const CarveInput& input, const CarveOptions& options, RunContext& run) {
+  const Stage stage(run, "domain: carve");
+  return Carver(input, options, run)();
+}
+
+}  // namespace ecorche::domain

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ecorche/core/run_context.h>
+#include <ecorche/domain/tagged_surface.h>
+
+#include <functional>
+
+namespace ecorche::domain {
+
+/// A length for every point of space [m].
+using LengthField = std::function<double(const mesh::Vector3&)>;
+
+struct ResampleOptions {
+  LengthField edgeLength;  ///< wanted length of edges
+  LengthField tolerance;   ///< how far new triangles may lie from the old surface
+  int rounds = 4;          ///< of split, collapse, flip and relax
+};
+
+/// The same surface with edges of wanted length, after [Botsch & Kobbelt 2004].
+///
+/// Curves between different tags, and ridges sharper than 60°, stay curves; their ends and corners
+/// stay vertices. Vertices slide on the old surface of their own tag, so vertices on a cut plane
+/// stay on it exactly. A step that would take the middle of an edge or of a triangle further than
+/// the tolerance from the old surface is not taken: where the surface bends much, edges stay
+/// shorter than wanted.
+///
+/// @param surface  closed and manifold
+/// @errors  MeshNotRepairable where it is not, Cancelled
+[[nodiscard]] Result<TaggedSurface> resample(const TaggedSurface& surface,
+                                             const std::vector<CutPlane>& cutPlanes,
+                                             const ResampleOptions& options, RunContext& run);
+
+}  // namespace ecorche::domain

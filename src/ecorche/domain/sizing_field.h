@@ -1,0 +1,48 @@
+#pragma once
+
+#include <ecorche/domain/build_domain.h>
+#include <ecorche/domain/tagged_surface.h>
+
+#include <vector>
+
+namespace ecorche::domain {
+
+/// Wanted edge length for every point of the domain's box: on a grid, continuous between its
+/// points, and growing no faster than the gradation.
+class SizingField {
+ public:
+  /// A place and the length wanted around it.
+  struct Source {
+    mesh::Vector3 point = mesh::Vector3::Zero();  // [m]
+    double length = 0.0;                          ///< [m]
+  };
+
+  /// @param coarsest   nowhere longer than this [m]
+  /// @param gradation  how fast lengths grow with distance [unitless, >= 0]
+  SizingField(const mesh::Box& box, const std::vector<Source>& sources, double coarsest,
+              double gradation);
+
+  [[nodiscard]] double at(const mesh::Vector3& p) const;  ///< [m]
+  [[nodiscard]] const mesh::Box& box() const { return box_; }
+
+ private:
+  mesh::Box box_;
+  Eigen::Array3i count_;
+  double cell_ = 1.0;
+  std::vector<double> value_;
+
+  [[nodiscard]] std::size_t slot(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count_.y()) +
+            static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(count_.x()) +
+           static_cast<std::size_t>(x);
+  }
+  void spread(double gradation);
+};
+
+/// What asks for small tets: curves, and gaps between the domain's walls.
+[[nodiscard]] std::vector<SizingField::Source> sizingSources(const std::vector<SizingCurve>& curves,
+                                                             const TaggedSurface& walls,
+                                                             double finest, double coarsest);
+
+}  // namespace ecorche::domain
