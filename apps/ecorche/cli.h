@@ -43,7 +43,10 @@ struct Command {
 /// and body.
 using Commands = std::vector<Command>;
 void addNew(CLI::App& app, Commands& commands);
+void addBuild(CLI::App& app, Commands& commands);
+void addCheck(CLI::App& app, Commands& commands);
 void addInfo(CLI::App& app, Commands& commands);
+void addRender(CLI::App& app, Commands& commands);
 void addRun(CLI::App& app, Commands& commands);
 
 }  // namespace ecorche::cli

@@ -76,7 +76,10 @@ int run(int argc, char** argv) {
 
   Commands commands;
   addNew(app, commands);
+  addBuild(app, commands);
+  addCheck(app, commands);
   addInfo(app, commands);
+  addRender(app, commands);
   addRun(app, commands);
 
   try {

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <ecorche/engine/build.h>
+#include <ecorche/exchange/output_folder.h>
+#include <ecorche/exchange/report.h>
+
+namespace ecorche::engine {
+
+/// What report.json says about a build: figures, checks on what is in memory, repairs, times. The
+/// checks on the written files are exchange::checkOutput's.
+[[nodiscard]] exchange::Report makeReport(const model::Project& project, const Build& build,
+                                          const exchange::WrittenOutput& written,
+                                          const RunContext& run);
+
+}  // namespace ecorche::engine
