@@ -296,8 +296,14 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
     how.edgeLength = [&](const Vector3& p) { return scale * sizing->at(p); };
     how.tolerance = [&](const Vector3&) { return 0.7 * tolerance; };
     auto resampled = resample(carved->surface, input.cutPlanes, how, run);
-    if (!resampled) return passOn(resampled);
-    walls = std::move(*resampled);
+    if (!resampled && resampled.error().code != ErrorCode::MeshNotRepairable)
+      return passOn(resampled);
+    if (!resampled) {
+      out.report.findings.push_back(
+          {Severity::Warning, "not-resampled", "domain",
+           resampled.error().message + "; the walls keep their full density"});
+    }
+    walls = resampled ? std::move(*resampled) : carved->surface;
   }
 
   // 6. Tets

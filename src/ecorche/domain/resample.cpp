@@ -1,6 +1,7 @@
 #include <ecorche/domain/half_edges.h>
 #include <ecorche/domain/resample.h>
 #include <ecorche/domain/triangle_tree.h>
+#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -395,7 +396,12 @@ Result<TaggedSurface> resample(const TaggedSurface& surface, const std::vector<C
   const Stage stage(run, "domain: resample");
   auto he = HalfEdges::build(surface);
   if (!he) return passOn(he);
-  return Resampler(std::move(*he), surface, cutPlanes, options)(run);
+  try {
+    return Resampler(std::move(*he), surface, cutPlanes, options)(run);
+  } catch (const RingBroken& broken) {
+    return fail(ErrorCode::MeshNotRepairable,
+                fmt::format("resampling lost its way: {}", broken.what()), {.object = "skin"});
+  }
 }
 
 }  // namespace ecorche::domain
