@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <vector>
 
 namespace ecorche::mesh {
@@ -91,7 +92,13 @@ SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern, Ordering ord
   impl->first = pattern.first;
   impl->index = pattern.index;
   cholmod_sparse K = impl->view(nullptr);
-  impl->L = cholmod_analyze(&K, impl->common);
+  {
+    // METIS seeds the process' random numbers and draws from them: one analysis at a time gives one
+    // ordering
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    impl->L = cholmod_analyze(&K, impl->common);
+  }
   EC_REQUIRE(impl->L != nullptr);
   impl_ = std::move(impl);
 }

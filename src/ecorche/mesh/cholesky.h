@@ -12,10 +12,12 @@ namespace ecorche::mesh {
 
 /// How rows are ordered before they are eliminated.
 enum class Ordering : std::uint8_t {
-  /// METIS: least work for large systems. It draws random numbers from the process, so analyses that run beside one
-  /// another may differ in their last bits from run to run.
+  /// METIS: least work for large systems. It seeds the process' random numbers and draws from them;
+  /// analyses take turns,
+  /// and only other users of rand() beside it could change the last bits of what is solved.
   NestedDissection,
-  /// AMD: quicker to find, the same whatever runs beside it; for many systems of some ten thousand rows.
+  /// AMD: quicker to find, the same whatever runs beside it; for many systems of some ten thousand
+  /// rows.
   MinimumDegree,
 };
 
