@@ -1,4 +1,3 @@
-#include <ecorche/core/files.h>
 #include <ecorche/engine/output.h>
 #include <ecorche/exchange/check_anatomy.h>
 #include <ecorche/model/project_file.h>
@@ -38,7 +37,7 @@ Result<void> runBuild(const BuildArguments& args, Session& session) {
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
   // Minutes of work should not end at a folder that cannot be written
-  if (auto writable = StagedFolder::create(args.output); !writable) return passOn(writable);
+  if (auto writable = engine::stageOutput(args.output); !writable) return passOn(writable);
 
   auto build = engine::build(*project, options, session.run);
   if (!build) {

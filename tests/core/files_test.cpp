@@ -20,13 +20,47 @@ TEST_CASE("a staged folder appears whole or not at all") {
   CHECK(fs::is_empty(temp.path()));
 
   for (const char* text : {"first", "second"}) {
-    auto staged = StagedFolder::create(target);
+    auto staged = StagedFolder::create(target, {"a.txt", {"a.txt"}});
     REQUIRE(staged);
     std::ofstream(staged->path() / "a.txt") << text;
     REQUIRE(staged->commit());
     CHECK(readFile(target / "a.txt").value() == text);
   }
   CHECK(std::distance(fs::directory_iterator(temp.path()), {}) == 1);
+}
+
+TEST_CASE("a staged folder never replaces what somebody else left there") {
+  test::TempFolder temp;
+  const fs::path target = temp.path() / "out";
+  fs::create_directory(target);
+  CHECK(StagedFolder::create(target));  // empty
+
+  const Replaceable ours{"mark", {"mark", "parts"}};
+  fs::create_directory(target / "parts");
+  const auto unmarked = StagedFolder::create(target, ours);
+  REQUIRE_FALSE(unmarked);
+  CHECK(unmarked.error().code == ErrorCode::FileNotWritable);
+  std::ofstream(target / "mark") << "x";
+  CHECK(StagedFolder::create(target, ours));
+  std::ofstream(target / "diary.txt") << "x";
+  const auto foreign = StagedFolder::create(target, ours);
+  REQUIRE_FALSE(foreign);
+  CHECK(foreign.error().message.find("\"diary.txt\"") != std::string::npos);
+  CHECK(fs::exists(target / "diary.txt"));
+  CHECK(std::distance(fs::directory_iterator(temp.path()), {}) == 1);
+}
+
+TEST_CASE("parents made for a staged folder go with it") {
+  test::TempFolder temp;
+  const fs::path target = temp.path() / "a" / "b" / "out";
+  { CHECK(StagedFolder::create(target)); }
+  CHECK(fs::is_empty(temp.path()));
+  {
+    auto staged = StagedFolder::create(target);
+    REQUIRE(staged);
+    REQUIRE(staged->commit());
+  }
+  CHECK(fs::is_directory(target));
 }
 
 TEST_CASE("leftovers of a killed process go with the next output of the same name") {
@@ -47,7 +81,8 @@ TEST_CASE("files say what is wrong with them") {
   CHECK(readFile(temp.path()).error().code == ErrorCode::FileNotReadable);
   std::ofstream(temp.path() / "empty").flush();
   CHECK(readFile(temp.path() / "empty").error().code == ErrorCode::FileEmpty);
-  CHECK(writeFileWhole(temp.path() / "no" / "file", "x").error().code == ErrorCode::FileNotWritable);
+  CHECK(writeFileWhole(temp.path() / "no" / "file", "x").error().code ==
+        ErrorCode::FileNotWritable);
   CHECK(StagedFolder::create(temp.path() / "empty").error().code == ErrorCode::FileNotWritable);
   REQUIRE(writeFileWhole(temp.path() / "file", "x"));
   CHECK(readFile(temp.path() / "file").value() == "x");

@@ -6,11 +6,14 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <optional>
+#include <vector>
 
 namespace ecorche {
 
@@ -54,8 +57,7 @@ fs::path absoluteTarget(const fs::path& target) {
 Result<std::string> readFile(const fs::path& file) {
   std::error_code ec;
   if (!fs::exists(file, ec)) {
-    return fail(ErrorCode::FileMissing,
-                "there is no such file; check the path, relative ones start at the project's folder",
+    return fail(ErrorCode::FileMissing, "there is no such file; check the path",
                 {.file = file.string()});
   }
   if (fs::is_directory(file, ec)) {
@@ -76,7 +78,8 @@ Result<std::string> readFile(const fs::path& file) {
                 {.file = file.string()});
   }
   if (bytes.empty()) {
-    return fail(ErrorCode::FileEmpty, "the file is empty; export it again", {.file = file.string()});
+    return fail(ErrorCode::FileEmpty, "the file is empty; export it again",
+                {.file = file.string()});
   }
   return bytes;
 }
@@ -121,43 +124,93 @@ Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
 struct StagedFolder::Impl {
   fs::path target;
   fs::path staged;
+  std::vector<fs::path> madeParents;  // outermost first
   bool committed = false;
   ~Impl() {
+    if (committed) return;
     std::error_code ignored;
-    if (!committed) fs::remove_all(staged, ignored);
+    if (!staged.empty()) fs::remove_all(staged, ignored);
+    // Where somebody else put something meanwhile, they stay
+    for (auto parent = madeParents.rbegin(); parent != madeParents.rend(); ++parent)
+      fs::remove(*parent, ignored);
   }
 };
+
+namespace {
+
+tl::unexpected<Error> notWritable(const fs::path& place, std::string message) {
+  return fail(ErrorCode::FileNotWritable, std::move(message), {.file = place.string()});
+}
+
+// Something in an existing folder that a replacement would destroy
+std::optional<std::string> foreignEntry(const fs::path& folder, const Replaceable& ours) {
+  std::error_code ec;
+  fs::directory_iterator entries(folder, ec);
+  if (ec || entries == fs::directory_iterator()) return std::nullopt;
+  std::string first;
+  for (const auto& entry : entries) {
+    std::string file = entry.path().filename().string();
+    if (std::ranges::find(ours.names, file) == ours.names.end()) return file;
+    first = std::move(file);
+  }
+  if (ours.mark.empty() || !fs::exists(folder / ours.mark, ec)) return first;
+  return std::nullopt;
+}
+
+Result<void> makeParents(const fs::path& target, std::vector<fs::path>& made) {
+  std::vector<fs::path> missing;
+  std::error_code ec;
+  for (fs::path p = target.parent_path(); !fs::exists(p, ec); p = p.parent_path())
+    missing.push_back(p);
+  for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
+    if (::mkdir(p->c_str(), 0777) == 0) {
+      made.push_back(*p);
+    } else if (errno != EEXIST) {
+      return notWritable(
+          target, fmt::format("the folder {} cannot be created ({}); write elsewhere", p->string(),
+                              std::strerror(errno)));
+    }
+  }
+  return {};
+}
+
+}  // namespace
 
 StagedFolder::StagedFolder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 StagedFolder::StagedFolder(StagedFolder&&) noexcept = default;
 StagedFolder& StagedFolder::operator=(StagedFolder&&) noexcept = default;
 StagedFolder::~StagedFolder() = default;
 
-Result<StagedFolder> StagedFolder::create(const fs::path& target) {
+Result<StagedFolder> StagedFolder::create(const fs::path& target, const Replaceable& ours) {
+  if (target.empty()) return notWritable(target, "the output has no name; name a folder");
   auto impl = std::make_unique<Impl>();
   impl->target = absoluteTarget(target);
-  impl->committed = true;  // nothing to remove yet
   std::error_code ec;
-  if (fs::exists(impl->target, ec) && !fs::is_directory(impl->target, ec)) {
-    return fail(ErrorCode::FileNotWritable, "the output is a file, a folder is needed; name another",
-                {.file = target.string()});
+  if (fs::exists(impl->target, ec)) {
+    if (!fs::is_directory(impl->target, ec))
+      return notWritable(target, "the output is a file, a folder is needed; name another");
+    if (!impl->target.has_filename())
+      return notWritable(target, "the root of the file system cannot be replaced; name a folder");
+    if (const auto foreign = foreignEntry(impl->target, ours)) {
+      return notWritable(
+          target, fmt::format("this folder holds \"{}\", which was not written here and would "
+                              "be lost; name a new folder",
+                              *foreign));
+    }
+    // Renaming needs write permission on the parent; replacing needs it on the old folder as well
+    if (::access(impl->target.c_str(), W_OK) != 0)
+      return notWritable(
+          target, "the output folder may not be written; change its permissions or name another");
   }
-  // Renaming needs write permission on the parent; replacing needs it on the old folder as well.
-  fs::create_directories(impl->target.parent_path(), ec);
-  if (fs::exists(impl->target) && ::access(impl->target.c_str(), W_OK) != 0) {
-    return fail(ErrorCode::FileNotWritable,
-                "the output folder may not be written; change its permissions or name another",
-                {.file = target.string()});
-  }
+  if (auto made = makeParents(impl->target, impl->madeParents); !made) return passOn(made);
   removeLeftovers(impl->target);
-  impl->staged = impl->target.parent_path() / stagingName(impl->target);
-  if (!fs::create_directory(impl->staged, ec)) {
-    return fail(ErrorCode::FileNotWritable,
-                fmt::format("cannot create the output folder: {}; choose another place",
-                            ec ? ec.message() : "it exists"),
-                {.file = target.string()});
+  const fs::path staged = impl->target.parent_path() / stagingName(impl->target);
+  if (::mkdir(staged.c_str(), 0777) != 0) {
+    return notWritable(target,
+                       fmt::format("nothing can be created in {} ({}); write elsewhere",
+                                   impl->target.parent_path().string(), std::strerror(errno)));
   }
-  impl->committed = false;
+  impl->staged = staged;
   return StagedFolder(std::move(impl));
 }
 

@@ -7,23 +7,39 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ecorche {
 
 /// The whole file as bytes. @errors FileMissing, FileNotReadable, FileEmpty
 [[nodiscard]] Result<std::string> readFile(const std::filesystem::path& file);
 
-/// Writes beside the target, flushes to disk, then renames: a reader sees the old bytes or the new ones.
+/// Writes beside the target, flushes to disk, then renames: a reader sees the old bytes or the new
+/// ones.
 /// @errors FileNotWritable
-[[nodiscard]] Result<void> writeFileWhole(const std::filesystem::path& file, std::string_view bytes);
+[[nodiscard]] Result<void> writeFileWhole(const std::filesystem::path& file,
+                                          std::string_view bytes);
 
-/// A folder that appears under its name only when commit() succeeds: it is written under a hidden sibling's name and
-/// renamed. An existing target is replaced by commit() and left alone by anything else. Destroyed uncommitted, it
-/// removes what it wrote; leftovers of killed processes are removed by the next create() for the same target.
+/// What a folder of an earlier run looks like, which may be replaced. Anything else in it is
+/// somebody's work.
+struct Replaceable {
+  std::string mark;  ///< a file that every such folder has
+  std::vector<std::string>
+      names;  ///< all that may lie in it, the mark among them; folders with all they hold
+};
+
+/// A folder that appears under its name only when commit() succeeds: it is written under a hidden
+/// sibling's name and renamed. An existing target is replaced by commit() and left alone by
+/// anything else. Destroyed uncommitted, it removes what it wrote; leftovers of killed processes
+/// are removed by the next create() for the same target.
 class StagedFolder {
  public:
-  /// @errors FileNotWritable
-  [[nodiscard]] static Result<StagedFolder> create(const std::filesystem::path& target);
+  /// Makes missing parents, too; they go again if nothing is committed.
+  /// @param ours  what an existing target may be; an empty folder may always be replaced
+  /// @errors FileNotWritable: no permission, a file in the way, or a folder that holds something
+  /// else
+  [[nodiscard]] static Result<StagedFolder> create(const std::filesystem::path& target,
+                                                   const Replaceable& ours = {});
   StagedFolder(StagedFolder&&) noexcept;
   StagedFolder& operator=(StagedFolder&&) noexcept;
   ~StagedFolder();
@@ -67,7 +83,8 @@ class Hasher {
 /// ~/.cache/ecorche or what ECORCHE_CACHE and XDG_CACHE_HOME say. Not created here.
 [[nodiscard]] std::filesystem::path cacheFolder();
 
-/// Folder of the running program, for its sibling ecorche-worker. ECORCHE_WORKER overrides the worker's path.
+/// Folder of the running program, for its sibling ecorche-worker. ECORCHE_WORKER overrides the
+/// worker's path.
 [[nodiscard]] std::filesystem::path programFolder();
 
 }  // namespace ecorche

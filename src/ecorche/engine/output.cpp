@@ -1,4 +1,3 @@
-#include <ecorche/core/files.h>
 #include <ecorche/engine/output.h>
 #include <ecorche/engine/picture.h>
 #include <ecorche/engine/report.h>
@@ -6,10 +5,17 @@
 
 namespace ecorche::engine {
 
+Result<StagedFolder> stageOutput(const std::filesystem::path& folder) {
+  return StagedFolder::create(
+      folder, {"report.json",
+               {"report.json", "model.json", "anatomy.vtu", "anatomy.mesh", "skin.obj", "fat.obj",
+                "muscles", "bones", "others", "preview.png"}});
+}
+
 Result<exchange::Report> writeBuild(const model::Project& project, const Build& build,
                                     const std::filesystem::path& folder,
                                     const OutputOptions& options, RunContext& run) {
-  auto staged = StagedFolder::create(folder);
+  auto staged = stageOutput(folder);
   if (!staged) return passOn(staged);
 
   exchange::WrittenOutput written;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ecorche/core/files.h>
 #include <ecorche/engine/build.h>
 #include <ecorche/exchange/output_folder.h>
 #include <ecorche/exchange/report.h>
@@ -12,6 +13,11 @@ struct OutputOptions {
   exchange::OutputFormats formats;
   bool preview = true;  ///< preview.png, where the machine can draw
 };
+
+/// Where a build is written to until it is whole. Only an empty folder and the output of an earlier
+/// build are replaced.
+/// @errors FileNotWritable
+[[nodiscard]] Result<StagedFolder> stageOutput(const std::filesystem::path& folder);
 
 /// Writes a build's folder whole or not at all: files as exchange::writeOutput, report.json,
 /// preview.png.
