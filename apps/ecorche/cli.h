@@ -29,6 +29,8 @@ struct Globals {
 struct Session {
   const Globals& globals;
   RunContext& run;  ///< cancelled by Ctrl-C; its progress goes to standard error
+  bool answered =
+      false;  ///< standard output holds its JSON object already, whatever becomes of the command
 };
 
 /// Tables and JSON go to standard output; an Error is printed by main and becomes the exit code.

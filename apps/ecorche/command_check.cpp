@@ -24,6 +24,7 @@ Result<void> checkFolder(const std::string& folder, Session& session) {
   if (!report) return passOn(report);
   if (session.globals.json) {
     fmt::print("{}", exchange::printCheckReport(*report));
+    session.answered = true;
   } else {
     fmt::print("{}\n{} tets, {} vertices, {} checks, {}\n", exchange::checkTable(report->checks),
                report->tets, report->vertices, report->checks.size(),

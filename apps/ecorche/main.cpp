@@ -27,7 +27,11 @@ int exitCode(ErrorCode code) {
 }
 
 int report(const Error& error, const Globals& globals) {
-  fmt::print(stderr, "ecorche: {}\n", error.text());
+  if (error.code == ErrorCode::Cancelled) {
+    fmt::print(stderr, "ecorche: interrupted; nothing was written\n");
+  } else {
+    fmt::print(stderr, "ecorche: {}\n", error.text());
+  }
   if (globals.json) {
     nlohmann::ordered_json json = {{"code", name(error.code)}, {"message", error.message}};
     if (!error.place.file.empty()) json["file"] = error.place.file;
@@ -55,7 +59,9 @@ int runCommand(const Command& command, const Globals& globals) {
   const Result<void> done = command.body(session);
   running = nullptr;
   printer.finish();
-  return done ? kDone : report(done.error(), globals);
+  Globals how = globals;
+  how.json = globals.json && !session.answered;
+  return done ? kDone : report(done.error(), how);
 }
 
 int run(int argc, char** argv) {

@@ -112,7 +112,7 @@ TEST_CASE("every fault of a project file has its own code and a place") {
       {"empty", "", ErrorCode::FileEmpty, "forearm.ecorche: the file is empty"},
       {"blank", " \n ", ErrorCode::FileEmpty, "is empty"},
       {"cut off", std::string(test::kFullProject.substr(0, 500)), ErrorCode::FileTruncated,
-       "ends in the middle"},
+       "forearm.ecorche:14:44: the file breaks off here"},
       {"comma", fullProjectWith("\"name\": \"forearm\",", "\"name\": \"forearm\""),
        ErrorCode::FileSyntax, "forearm.ecorche:4:3: this is not JSON"},
       {"text behind", std::string(test::kFullProject) + "x", ErrorCode::FileSyntax,

@@ -53,15 +53,18 @@ Result<ProjectMeshes> loadMeshes(const model::Project& project, RunContext& run)
   struct Wanted {
     const model::MeshRef* ref;
     std::string name;
+    std::string what;                      // in messages
     std::vector<mesh::SurfaceMesh>* list;  // null: the skin
   };
   ProjectMeshes out;
-  std::vector<Wanted> wanted{{&project.skin, "skin", nullptr}};
-  for (const auto& bone : project.bones) wanted.push_back({&bone.mesh, bone.name, &out.bones});
+  std::vector<Wanted> wanted{{&project.skin, "skin", "skin", nullptr}};
+  for (const auto& bone : project.bones)
+    wanted.push_back({&bone.mesh, bone.name, fmt::format("bone \"{}\"", bone.name), &out.bones});
   for (const auto& tissue : project.tissues) {
     if (!tissue.mesh) continue;
     auto& list = tissue.kind == model::Tissue::Kind::Obstacle ? out.obstacles : out.cavities;
-    wanted.push_back({&*tissue.mesh, tissue.name, &list});
+    wanted.push_back({&*tissue.mesh, tissue.name,
+                      fmt::format("{} \"{}\"", model::word(tissue.kind), tissue.name), &list});
   }
 
   std::map<FileKey, std::size_t> slot;
@@ -85,6 +88,9 @@ Result<ProjectMeshes> loadMeshes(const model::Project& project, RunContext& run)
     const auto& file = files[slot.at({meshPath(project, *w.ref), metresPerUnit(project, *w.ref)})];
     if (!file) {
       Error error = file.error();
+      error.message = fmt::format("{}: {}", w.what, error.message);
+      if (error.code == ErrorCode::FileMissing)
+        error.message += ", relative ones start at the project's folder";
       error.place.object = w.name;
       return tl::unexpected(std::move(error));
     }
@@ -118,7 +124,7 @@ std::vector<tissue::CurveTissue> curveTissues(const model::Project& project) {
     to.anisotropy = {from.anisotropy.lambda2, from.anisotropy.lambda3, from.anisotropy.rotation};
     for (std::size_t c = 0; c < from.curves.size(); ++c) {
       to.curves.push_back(
-          {curveLabel(from, c), splineOf(from.curves[c]), tissueValuesOf(from.curves[c])});
+          {from.curves[c].name, splineOf(from.curves[c]), tissueValuesOf(from.curves[c])});
     }
     out.push_back(std::move(to));
   }

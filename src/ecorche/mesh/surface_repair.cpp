@@ -130,8 +130,7 @@ class Repair {
       const std::size_t others = after.holes.size() - 1;
       return fail(ErrorCode::SkinNotClosed,
                   fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; close it where "
-                              "the mesh was made, or have "
-                              "the mesh wrapped",
+                              "the mesh was made",
                               mesh.name, hole.edges, hole.extent,
                               others > 0 ? fmt::format(", and {} more", others) : ""),
                   {.object = mesh.name, .point = hole.place});

@@ -93,7 +93,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     const auto says = [&](std::string_view words) { return what.find(words) != what.npos; };
     const bool cutToken = taken_ == end_ && !open_.empty() && says("invalid ");
     if (cutToken || says("unexpected end of input") || says("missing closing quote")) {
-      return give(ErrorCode::FileTruncated, "the file ends in the middle; is it cut off?", spot);
+      return give(ErrorCode::FileTruncated, "the file breaks off here; copy or save it again",
+                  spot);
     }
     return give(ErrorCode::FileSyntax, "this is not JSON: " + std::string(what), spot);
   }

@@ -98,7 +98,7 @@ class Reader {
     }
     for (std::string_view key : known.required) {
       if (json.find(key) != nullptr) continue;
-      give(ErrorCode::MissingKey, fmt::format("{} lacks \"{}\"", what, key), json.spot);
+      give(ErrorCode::MissingKey, fmt::format("{} lacks \"{}\"; add it", what, key), json.spot);
       return false;
     }
     return true;
@@ -225,7 +225,9 @@ class Reader {
     // The kind decides which keys there are, so it comes first
     const Json* const kind = json.find("kind");
     if (json.kind == Json::Kind::Object && kind == nullptr) {
-      give(ErrorCode::MissingKey, fmt::format("tissue \"{}\" lacks \"kind\"", text(json, "name")),
+      give(ErrorCode::MissingKey,
+           fmt::format("tissue \"{}\" lacks \"kind\": {}", text(json, "name"),
+                       allWords<Tissue::Kind>()),
            json.spot);
     }
     t.kind = choice(json, "kind", Tissue::Kind::Muscle);
@@ -314,6 +316,14 @@ class Reader {
 Result<Project> parseProject(std::string_view text, const std::filesystem::path& file) {
   const std::string shown = file.string();
   auto root = parseJson(text, shown);
+  const auto first = std::min(text.find_first_not_of("\xEF\xBB\xBF \t\r\n"), text.size() - 1);
+  if (!root && root.error().code == ErrorCode::FileSyntax && text[first] != '{' &&
+      text[first] != '[') {
+    return fail(
+        ErrorCode::FileUnknownFormat,
+        "this is no project file, those begin with \"{\"; make one from meshes by `ecorche new`",
+        root.error().place);
+  }
   if (!root) return passOn(root);
   if (auto current = migrate(*root, kSchema, migrations(), shown); !current) return passOn(current);
 

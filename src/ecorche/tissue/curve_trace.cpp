@@ -33,9 +33,9 @@ struct Job {
 
 std::string nameOf(const CurveTissue& tissue, std::size_t curve) {
   const std::string& own = tissue.curves[curve].name;
-  if (!own.empty()) return fmt::format("{}, curve \"{}\"", tissue.name, own);
-  return tissue.curves.size() == 1 ? tissue.name
-                                   : fmt::format("{}, curve {}", tissue.name, curve + 1);
+  const std::string what = fmt::format("\"{}\"", tissue.name);
+  if (!own.empty()) return fmt::format("{}, curve {} ({})", what, curve + 1, own);
+  return tissue.curves.size() == 1 ? what : fmt::format("{}, curve {}", what, curve + 1);
 }
 
 std::string whatIs(const BoundaryTag& tag, const Domain& domain) {
@@ -99,14 +99,13 @@ void judgeGaps(const Domain& domain, const CurveTissue& tissue, const CurveWalk&
     if (leavesThroughSkin(gap)) {
       const auto outlier = farthestOutside(domain, spline, gap);
       if (!outlier) continue;
-      job.error =
-          Error{ErrorCode::CurveOutsideSkin,
-                fmt::format(
-                    "{} leaves the skin by {:.4g} mm at ({:.4g}, {:.4g}, {:.4g}) m; at most {:.4g} "
-                    "mm are allowed: move its control points inside",
-                    who, 1e3 * outlier->distance, outlier->point.x(), outlier->point.y(),
-                    outlier->point.z(), 1e3 * kOutsideTolerance * domain.skinDiagonal),
-                {.object = tissue.name, .point = outlier->point}};
+      job.error = Error{
+          ErrorCode::CurveOutsideSkin,
+          fmt::format(
+              "{} leaves the skin by {:.3g} mm, at most {:.2g} mm are allowed; move its control "
+              "points inside",
+              who, 1e3 * outlier->distance, 1e3 * kOutsideTolerance * domain.skinDiagonal),
+          {.object = tissue.name, .point = outlier->point}};
       return;
     }
     // Ends in bone are how muscles attach; what counts is how much of the curve is gone
