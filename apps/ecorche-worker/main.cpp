@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #ifdef __linux__
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 #endif
 
 #include <cstdio>
@@ -50,7 +52,10 @@ Result<void> dispatch(const std::string& name, const worker::Arguments& argument
 
 int main(int argc, char** argv) {
 #ifdef __linux__
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for us once the program is gone
+  // Nobody waits for us once the program is gone; it may be gone already, with the ear at our pipe
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  pollfd ear{STDERR_FILENO, 0, 0};
+  if (::poll(&ear, 1, 0) > 0 && (ear.revents & POLLERR) != 0) return 1;
 #endif
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);

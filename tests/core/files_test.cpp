@@ -1,5 +1,7 @@
 #include <ecorche/core/files.h>
 
+#include <fmt/format.h>
+
 #include <fstream>
 
 #include "support/paths.h"
@@ -65,14 +67,23 @@ TEST_CASE("parents made for a staged folder go with it") {
 
 TEST_CASE("leftovers of a killed process go with the next output of the same name") {
   test::TempFolder temp;
-  const fs::path leftover = temp.path() / ".out.ecorche-999999999-0";
+  // In a container the next process often has the same number
+  const fs::path leftover = temp.path() / fmt::format(".out.ecorche-{}-0", getpid());
   fs::create_directory(leftover);
+  std::ofstream(leftover / "half") << "x";
   const fs::path foreign = temp.path() / ".out2.ecorche-999999999-0";
   fs::create_directory(foreign);
   auto staged = StagedFolder::create(temp.path() / "out");
   REQUIRE(staged);
-  CHECK_FALSE(fs::exists(leftover));
+  CHECK_FALSE(fs::exists(leftover / "half"));  // its name may be in use again
   CHECK(fs::exists(foreign));
+  const auto beside = StagedFolder::create(temp.path() / "out");
+  REQUIRE(beside);
+  CHECK(fs::exists(staged->path()));
+
+  std::ofstream(temp.path() / ".file.ecorche-7-0") << "half";
+  REQUIRE(writeFileWhole(temp.path() / "file", "whole"));
+  CHECK_FALSE(fs::exists(temp.path() / ".file.ecorche-7-0"));
 }
 
 TEST_CASE("files say what is wrong with them") {

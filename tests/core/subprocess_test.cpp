@@ -154,6 +154,18 @@ TEST_CASE("a scratch folder goes with its owner") {
   CHECK_FALSE(fs::exists(where));
 }
 
+TEST_CASE("scratch folders of killed processes go with the next one, those in use stay") {
+  test::TempFolder temp;
+  const Environment here("TMPDIR", temp.path().string());
+  fs::create_directories(temp.path() / "ecorche-scratch-000000" / "deep");
+  const auto first = ScratchFolder::create();
+  REQUIRE(first);
+  const auto second = ScratchFolder::create();
+  REQUIRE(second);
+  CHECK(fs::exists(first->path()));
+  CHECK_FALSE(fs::exists(temp.path() / "ecorche-scratch-000000"));
+}
+
 TEST_CASE("error codes go to words and back") {
   CHECK(errorCodeNamed("Internal") == ErrorCode::Internal);
   CHECK(errorCodeNamed(name(ErrorCode::SkinNotClosed)) == ErrorCode::SkinNotClosed);

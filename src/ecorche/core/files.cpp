@@ -1,7 +1,7 @@
+#include <ecorche/core/claim.h>
 #include <ecorche/core/files.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -21,29 +21,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A name that no other process and no other thread of this one uses, and that tells whose it is.
-std::string stagingName(const fs::path& target) {
+constexpr int kAttempts = 100;
+
+// Staged under a hidden sibling's name that no other process and no other thread of this one uses
+std::string stagingPrefix(const fs::path& target) {
+  return "." + target.filename().string() + ".ecorche-";
+}
+fs::path stagingPath(const fs::path& target) {
   static std::atomic<int> counter{0};
-  return fmt::format(".{}.ecorche-{}-{}", target.filename().string(), getpid(), counter++);
-}
-
-// Staging names end in "-PID-N"; a leftover is one whose process is gone.
-bool ownerIsGone(const std::string& fileName) {
-  const auto last = fileName.rfind('-');
-  if (last == std::string::npos || last == 0) return false;
-  const auto first = fileName.rfind('-', last - 1);
-  if (first == std::string::npos) return false;
-  const long pid = std::strtol(fileName.c_str() + first + 1, nullptr, 10);
-  return pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
-}
-
-void removeLeftovers(const fs::path& target) {
-  const std::string prefix = "." + target.filename().string() + ".ecorche-";
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(target.parent_path(), ignored)) {
-    const std::string file = entry.path().filename().string();
-    if (file.starts_with(prefix) && ownerIsGone(file)) fs::remove_all(entry.path(), ignored);
-  }
+  return target.parent_path() / fmt::format("{}{}-{}", stagingPrefix(target), getpid(), counter++);
 }
 
 fs::path absoluteTarget(const fs::path& target) {
@@ -86,7 +72,8 @@ Result<std::string> readFile(const fs::path& file) {
 
 Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
   const fs::path target = absoluteTarget(file);
-  const fs::path staged = target.parent_path() / stagingName(target);
+  removeUnclaimed(target.parent_path(), stagingPrefix(target));
+  fs::path staged;
   const auto refuse = [&](const char* act) {
     const int code = errno;
     ::unlink(staged.c_str());
@@ -96,7 +83,19 @@ Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
                 {.file = file.string()});
   };
 
-  const int fd = ::open(staged.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // Somebody who clears up may take the file away before we hold it
+  int fd = -1;
+  std::optional<Claim> claim;
+  for (int attempt = 0; attempt < kAttempts && !claim; ++attempt) {
+    if (fd >= 0) {
+      if (fs::exists(staged)) break;  // a file system without locks
+      ::close(fd);
+    }
+    staged = stagingPath(target);
+    fd = ::open(staged.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0 && errno != EEXIST) return refuse("create");
+    if (fd >= 0) claim = Claim::take(staged);
+  }
   if (fd < 0) return refuse("create");
   std::size_t done = 0;
   while (done < bytes.size()) {
@@ -124,6 +123,7 @@ Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
 struct StagedFolder::Impl {
   fs::path target;
   fs::path staged;
+  std::optional<Claim> claim;
   std::vector<fs::path> madeParents;  // outermost first
   bool committed = false;
   ~Impl() {
@@ -155,6 +155,21 @@ std::optional<std::string> foreignEntry(const fs::path& folder, const Replaceabl
   }
   if (ours.mark.empty() || !fs::exists(folder / ours.mark, ec)) return first;
   return std::nullopt;
+}
+
+void flushFolder(const fs::path& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
+void flushFolders(const fs::path& top) {
+  std::error_code ec;
+  for (const auto& entry : fs::recursive_directory_iterator(top, ec)) {
+    if (entry.is_directory(ec)) flushFolder(entry.path());
+  }
+  flushFolder(top);
 }
 
 Result<void> makeParents(const fs::path& target, std::vector<fs::path>& made) {
@@ -203,14 +218,24 @@ Result<StagedFolder> StagedFolder::create(const fs::path& target, const Replacea
           target, "the output folder may not be written; change its permissions or name another");
   }
   if (auto made = makeParents(impl->target, impl->madeParents); !made) return passOn(made);
-  removeLeftovers(impl->target);
-  const fs::path staged = impl->target.parent_path() / stagingName(impl->target);
-  if (::mkdir(staged.c_str(), 0777) != 0) {
+  removeUnclaimed(impl->target.parent_path(), stagingPrefix(impl->target));
+  // Somebody who clears up may take the folder away before we hold it
+  for (int attempt = 0; attempt < kAttempts && !impl->claim; ++attempt) {
+    if (!impl->staged.empty() && fs::exists(impl->staged, ec))
+      break;  // a file system without locks
+    const fs::path staged = stagingPath(impl->target);
+    if (::mkdir(staged.c_str(), 0777) == 0) {
+      impl->staged = staged;
+      impl->claim = Claim::take(staged);
+    } else if (errno != EEXIST) {
+      break;
+    }
+  }
+  if (impl->staged.empty()) {
     return notWritable(target,
                        fmt::format("nothing can be created in {} ({}); write elsewhere",
                                    impl->target.parent_path().string(), std::strerror(errno)));
   }
-  impl->staged = staged;
   return StagedFolder(std::move(impl));
 }
 
@@ -222,11 +247,13 @@ Result<void> StagedFolder::commit() {
                 fmt::format("cannot {} the output folder: {}", act, std::strerror(errno)),
                 {.file = impl_->target.string()});
   };
-  ::sync();
+  // Files were flushed one by one; their names are the folders' content
+  flushFolders(impl_->staged);
   std::error_code ec;
   if (!fs::exists(impl_->target, ec)) {
     if (::rename(impl_->staged.c_str(), impl_->target.c_str()) != 0) return refuse("rename");
     impl_->committed = true;
+    flushFolder(impl_->target.parent_path());
     return {};
   }
   // Swap old and new in one step, so that the name never stands for nothing; then drop the old one.
@@ -234,11 +261,12 @@ Result<void> StagedFolder::commit() {
   if (::renameat2(AT_FDCWD, impl_->staged.c_str(), AT_FDCWD, impl_->target.c_str(),
                   RENAME_EXCHANGE) == 0) {
     impl_->committed = true;
+    flushFolder(impl_->target.parent_path());
     fs::remove_all(impl_->staged, ec);
     return {};
   }
 #endif
-  const fs::path old = impl_->staged.string() + "-old";
+  const fs::path old = stagingPath(impl_->target);
   if (::rename(impl_->target.c_str(), old.c_str()) != 0) return refuse("replace");
   if (::rename(impl_->staged.c_str(), impl_->target.c_str()) != 0) {
     const int code = errno;

@@ -251,24 +251,31 @@ std::string workerErrorLine(const Error& error) {
 }
 
 Result<ScratchFolder> ScratchFolder::create() {
+  constexpr std::string_view kPrefix = "ecorche-scratch-";
   std::error_code ec;
   const fs::path base = fs::temp_directory_path(ec);
-  std::string pattern = ((ec ? fs::path("/tmp") : base) / "ecorche-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    return fail(
-        ErrorCode::FileNotWritable,
-        fmt::format("cannot make a temporary folder: {}; let TMPDIR name a folder with space",
-                    std::strerror(errno)),
-        {.file = pattern});
+  const fs::path folder = ec ? fs::path("/tmp") : base;
+  removeUnclaimed(folder, kPrefix);
+  std::string path;
+  // Somebody who clears up may take the folder away before we hold it
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    path = (folder / (std::string(kPrefix) + "XXXXXX")).string();
+    if (::mkdtemp(path.data()) == nullptr) break;
+    auto claim = Claim::take(path);
+    if (claim || fs::exists(path, ec)) return ScratchFolder(path, std::move(claim));
   }
-  return ScratchFolder(pattern);
+  return fail(ErrorCode::FileNotWritable,
+              fmt::format("cannot make a temporary folder: {}; let TMPDIR name a folder with space",
+                          std::strerror(errno)),
+              {.file = folder.string()});
 }
 
 ScratchFolder::ScratchFolder(ScratchFolder&& other) noexcept
-    : path_(std::exchange(other.path_, {})) {}
+    : path_(std::exchange(other.path_, {})), claim_(std::move(other.claim_)) {}
 
 ScratchFolder& ScratchFolder::operator=(ScratchFolder&& other) noexcept {
   std::swap(path_, other.path_);
+  std::swap(claim_, other.claim_);
   return *this;
 }
 

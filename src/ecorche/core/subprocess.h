@@ -1,10 +1,12 @@
 #pragma once
 
+#include <ecorche/core/claim.h>
 #include <ecorche/core/result.h>
 #include <ecorche/core/run_context.h>
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,7 +57,7 @@ struct ProcessEnd {
 [[nodiscard]] std::string workerErrorLine(const Error& error);
 
 /// A folder under the system's temporary folder that nobody else uses, removed with everything in
-/// it at the end.
+/// it at the end; what killed processes left there goes with the next create().
 class ScratchFolder {
  public:
   /// @errors FileNotWritable
@@ -67,8 +69,10 @@ class ScratchFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  ScratchFolder(std::filesystem::path path, std::optional<Claim> claim)
+      : path_(std::move(path)), claim_(std::move(claim)) {}
   std::filesystem::path path_;  // empty: moved from
+  std::optional<Claim> claim_;  // none: the file system knows no locks
 };
 
 }  // namespace ecorche
