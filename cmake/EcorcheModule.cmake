@@ -28,12 +28,16 @@ function(ecorche_add_module name)
   target_link_libraries(${target} PUBLIC ecorche_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
-# ecorche_add_test(mesh SOURCES ... LIBS ...) makes the program test_mesh; each TEST_CASE is a test of ctest.
+# ecorche_add_test(mesh SOURCES ... LIBS ...) makes the program test_mesh; each TEST_CASE is a test of ctest, run after
+# what FIXTURES names has been set up.
 function(ecorche_add_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;FIXTURES" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ecorche_options ecorche_test_support ${ARG_LIBS})
-  catch_discover_tests(${target} TEST_PREFIX "${name}: " PROPERTIES TIMEOUT 300
-                       ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
+  set(properties TIMEOUT 300 ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
+  if(ARG_FIXTURES)
+    list(APPEND properties FIXTURES_REQUIRED ${ARG_FIXTURES})
+  endif()
+  catch_discover_tests(${target} TEST_PREFIX "${name}: " PROPERTIES ${properties})
 endfunction()

@@ -66,7 +66,8 @@ TEST_CASE("build makes a folder that check passes, and replaces only its own") {
         "bones/humerus.obj", "fat.obj", "skin.obj", "model.json", "report.json"})
     CHECK(fs::is_regular_file(p.at("out") / file));
   const auto check = test::runEcorche("check out --json", p.folder());
-  for (const auto& c : nlohmann::json::parse(check.out).at("checks")) {
+  const auto answer = nlohmann::json::parse(check.out);
+  for (const auto& c : answer.at("checks")) {
     INFO(c.dump());
     CHECK((c.at("pass") == true || c.at("name").get<std::string>().ends_with("-deviation")));
   }

@@ -1,41 +1,17 @@
-#include <ecorche/core/files.h>
-
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "exchange/sample_output.h"
-#include "support/paths.h"
+#include "support/python.h"
 
 using namespace ecorche;
 
-namespace {
-
-// Debian's own interpreter: it is the one that has Debian's meshio and vtk.
-constexpr const char* kPython = "/usr/bin/python3";
-
-bool haveReaders() {
-  const std::string command = std::string(kPython) + " -c 'import meshio, vtk' 2>/dev/null";
-  if (std::system(command.c_str()) == 0) return true;
-  WARN(
-      "SKIPPED: python3-meshio or python3-vtk9 is not installed; other people's readers were not "
-      "tried");
-  return false;
-}
-
-}  // namespace
-
 TEST_CASE("meshio and vtk see the points, tets, tissues, names, volumes and fibres that we wrote") {
-  if (!haveReaders()) return;
+  if (!test::haveReaders()) return;
   test::TempFolder temp;
   const test::SampleOutput sample = test::makeSample();
   const auto written = test::writeSample(sample, temp.path() / "out");
-  const std::string command = std::string(kPython) + " " + ECORCHE_SOURCE_DIR +
-                              "/tests/exchange/read_back.py " + (temp.path() / "out").string() +
-                              " > " + (temp.path() / "seen.json").string();
-  REQUIRE(std::system(command.c_str()) == 0);
-  const auto seen = nlohmann::json::parse(readFile(temp.path() / "seen.json").value());
+  const auto seen = test::pythonOn("exchange/read_back.py", temp.path() / "out");
 
   const envelope::Anatomy& a = sample.shape.anatomy;
   std::map<std::int32_t, double> volumes;
