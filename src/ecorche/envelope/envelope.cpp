@@ -1,181 +1,132 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
+#include <ecorche/envelope/children.h>
+#include <ecorche/envelope/collect.h>
+#include <ecorche/envelope/diagram.h>
 #include <ecorche/envelope/envelope.h>
-#include <ecorche/envelope/placement.h>
-#include <ecorche/envelope/split_tets.h>
+#include <ecorche/envelope/islands.h>
+#include <ecorche/envelope/placing.h>
+#include <ecorche/envelope/repair.h>
+#include <ecorche/envelope/splitting.h>
 #include <ecorche/mesh/orientation.h>
-#include <fmt/format.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
-#include <numeric>
+#include <limits>
 
 namespace ecorche::envelope {
-
 namespace {
 
-// Edge names first, then faces, then tets; ascending within each
-bool namesInOrder(const VertexName& a, const VertexName& b) {
-  const int ca = a.count();
-  const int cb = b.count();
-  return ca != cb ? ca < cb : a < b;
+std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// A child thinner than this share of its parent, times clamp³, is repaired: three clamped
+/// crossings around a corner leave clamp³ by themselves.
+constexpr double kThinPerClamp3 = 1e-3;
+
+void countNames(const mesh::Tets& T, const Diagram& d, EnvelopeStats& stats) {
+  auto& counts = stats.tetsByTissueCount;
+  counts[0] = T.rows() - static_cast<std::int64_t>(d.mixed.size());
+  counts[1] = static_cast<std::int64_t>(d.mixed.size() - d.complex.size());
+  for (const auto& owners : ownersOfComplexTets(d))
+    ++counts[std::min(owners.size(), counts.size()) - 1];
+  stats.edgePoints = static_cast<std::int64_t>(d.labelAfter.size());
+  stats.facePoints = static_cast<std::int64_t>(d.facePoints.size());
+  stats.tetPoints = static_cast<std::int64_t>(d.tetPoints.size());
 }
 
-// Numbers all names; the numbers depend on names alone, not on the order of visits
-std::vector<VertexName> numberNames(CellComplex& cells, std::int32_t offset) {
-  std::vector<VertexName> names;
-  std::size_t total = 0;
-  for (const SplitTet& split : cells.split) total += split.names.size();
-  names.reserve(total);
-  for (const SplitTet& split : cells.split)
-    names.insert(names.end(), split.names.begin(), split.names.end());
-  tbb::parallel_sort(names.begin(), names.end(), namesInOrder);
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  parallelFor(
-      static_cast<std::int64_t>(cells.split.size()),
-      [&](std::int64_t s) {
-        SplitTet& split = cells.split[static_cast<std::size_t>(s)];
-        split.id.clear();
-        for (const VertexName& name : split.names) {
-          const auto at = std::lower_bound(names.begin(), names.end(), name, namesInOrder);
-          split.id.push_back(offset + static_cast<std::int32_t>(at - names.begin()));
-        }
-      },
-      256);
-  return names;
-}
-
-// Pulls every cell from its vertex of lowest number, every face from its own: neighbours split
-// shared faces alike. emit(column, a, b, c, d) receives positively oriented tets.
-template <class Emit>
-void pullCells(const SplitTet& split, const mesh::Tets& T, const Emit& emit) {
-  for (const auto& cell : split.cells) {
-    std::int32_t apex = std::numeric_limits<std::int32_t>::max();
-    for (const auto& face : cell.faces) {
-      for (const std::int16_t v : face.loop) apex = std::min(apex, split.vertex(T, v));
-    }
-    for (const auto& face : cell.faces) {
-      std::size_t low = 0;
-      bool touches = false;
-      for (std::size_t k = 0; k < face.loop.size(); ++k) {
-        const std::int32_t v = split.vertex(T, face.loop[k]);
-        touches = touches || v == apex;
-        if (v < split.vertex(T, face.loop[low])) low = k;
-      }
-      if (touches) continue;
-      const std::size_t n = face.loop.size();
-      for (std::size_t k = 1; k + 1 < n; ++k) {
-        emit(cell.column, apex, split.vertex(T, face.loop[low]),
-             split.vertex(T, face.loop[(low + k) % n]),
-             split.vertex(T, face.loop[(low + k + 1) % n]));
-      }
-    }
-  }
-}
-
-void fillTets(const mesh::TetMesh& mesh, const CellComplex& cells, Envelope& out) {
-  const auto tetCount = mesh.T.rows();
-  std::vector<std::int64_t> first(static_cast<std::size_t>(tetCount) + 1, 0);
-  parallelFor(tetCount, [&](std::int64_t t) {
-    const std::int32_t s = cells.splitOf[static_cast<std::size_t>(t)];
-    std::int64_t count = s < 0 ? 1 : 0;
-    if (s >= 0) {
-      pullCells(cells.split[static_cast<std::size_t>(s)], mesh.T, [&](auto...) { ++count; });
-    }
-    first[static_cast<std::size_t>(t) + 1] = count;
-  });
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  out.mesh.T.resize(first.back(), 4);
-  out.label.resize(static_cast<std::size_t>(first.back()));
-  out.parentTet.resize(out.label.size());
-  parallelFor(tetCount, [&](std::int64_t t) {
-    std::int64_t at = first[static_cast<std::size_t>(t)];
-    const auto put = [&](std::int16_t column, std::int32_t a, std::int32_t b, std::int32_t c,
-                         std::int32_t d) {
-      out.mesh.T.row(at) << a, b, c, d;
-      out.label[static_cast<std::size_t>(at)] = TissueId(column + 1);
-      out.parentTet[static_cast<std::size_t>(at)] = static_cast<std::int32_t>(t);
-      ++at;
+void countOrientations(const Envelope& envelope, EnvelopeStats& stats) {
+  std::atomic<std::int64_t> zero{0};
+  std::atomic<std::int64_t> negative{0};
+  std::atomic<std::int64_t> rounded{0};
+  const mesh::Positions V32 = envelope.mesh.V.cast<float>().cast<double>();
+  const auto sign = [&](const mesh::Positions& V, std::int64_t t) {
+    const auto corner = [&](int c) {
+      return mesh::Vector3(V.row(envelope.mesh.T(t, c)).transpose());
     };
-    const std::int32_t s = cells.splitOf[static_cast<std::size_t>(t)];
-    if (s < 0) {
-      put(cells.owner[static_cast<std::size_t>(t)], mesh.T(t, 0), mesh.T(t, 1), mesh.T(t, 2),
-          mesh.T(t, 3));
-    } else {
-      pullCells(cells.split[static_cast<std::size_t>(s)], mesh.T, put);
+    return mesh::orientation(corner(0), corner(1), corner(2), corner(3));
+  };
+  parallelFor(
+      envelope.mesh.T.rows(),
+      [&](std::int64_t t) {
+        const int own = sign(envelope.mesh.V, t);
+        if (own == 0) ++zero;
+        if (own < 0) ++negative;
+        if (sign(V32, t) <= 0) ++rounded;
+      },
+      8192);
+  stats.zeroTets = zero;
+  stats.nonPositiveTets = zero + negative;
+  stats.nonPositiveRounded = rounded;
+}
+
+/// Fields at the centroid of an output tet.
+void fieldsAtCentroid(const tissue::FieldMatrix& fields, const Envelope& envelope, std::int64_t t,
+                      Eigen::RowVectorXd& f) {
+  const auto base = static_cast<std::int32_t>(fields.rows());
+  f.setZero(fields.cols());
+  for (int c = 0; c < 4; ++c) {
+    const std::int32_t v = envelope.mesh.T(t, c);
+    if (v < base) {
+      f += 0.25 * fields.row(v);
+      continue;
     }
-  });
-}
-
-void fillVertices(const mesh::TetMesh& mesh, const Placement& placement, mesh::Positions& V) {
-  V.resize(mesh.V.rows() + static_cast<Eigen::Index>(placement.names().size()), 3);
-  V.topRows(mesh.V.rows()) = mesh.V;
-  parallelFor(static_cast<std::int64_t>(placement.names().size()), [&](std::int64_t n) {
-    V.row(mesh.V.rows() + n) = placement.position(static_cast<std::size_t>(n)).transpose();
-  });
-}
-
-// Split tets that hold an output tet without positive volume, ascending
-std::vector<std::int32_t> badSplits(const Envelope& out, const CellComplex& cells,
-                                    std::int64_t& badTets) {
-  std::vector<std::uint8_t> bad(cells.split.size(), 0);
-  std::atomic<std::int64_t> count{0};
-  parallelFor(out.mesh.T.rows(), [&](std::int64_t t) {
-    const std::int32_t s =
-        cells.splitOf[static_cast<std::size_t>(out.parentTet[static_cast<std::size_t>(t)])];
-    if (s < 0 || mesh::orientation(out.mesh, t) > 0) return;
-    bad[static_cast<std::size_t>(s)] = 1;  // several writers, one value
-    count.fetch_add(1, std::memory_order_relaxed);
-  });
-  badTets = count.load();
-  std::vector<std::int32_t> list;
-  for (std::size_t s = 0; s < bad.size(); ++s) {
-    if (bad[s] != 0) list.push_back(static_cast<std::int32_t>(s));
+    const Anatomy::Origin& o = envelope.origin[at(v - base)];
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (o.corner[k] >= 0) f += 0.25 * o.weight[k] * fields.row(o.corner[k]);
+    }
   }
-  return list;
 }
 
-// Output tets whose label is not the largest field at the centroid, to 1e-9 of the largest value
-// anywhere
-void countOffLabel(const mesh::TetMesh& mesh, const tissue::FieldMatrix& fields,
-                   const CellComplex& cells, const Placement& placement,
-                   const EnvelopeOptions& options, Envelope& out) {
-  const double tolerance = 1e-9 * std::max(0.0, fields.size() > 0 ? fields.maxCoeff() : 0.0);
-  const auto offset = static_cast<std::int32_t>(mesh.V.rows());
-  std::vector<double> volume(static_cast<std::size_t>(out.mesh.T.rows()), 0.0);
-  std::vector<std::uint8_t> kind(volume.size(), 0);
-  parallelFor(out.mesh.T.rows(), [&](std::int64_t t) {
-    const auto parent = out.parentTet[static_cast<std::size_t>(t)];
-    const std::int32_t s = cells.splitOf[static_cast<std::size_t>(parent)];
-    if (s < 0) return;
-    Eigen::RowVectorXd f = Eigen::RowVectorXd::Zero(fields.cols());
-    bool excused = cells.split[static_cast<std::size_t>(s)].struck;
-    for (int c = 0; c < 4; ++c) {
-      const std::int32_t v = out.mesh.T(t, c);
-      if (v < offset) {
-        f += 0.25 * fields.row(v);
-        continue;
-      }
-      const Anatomy::Origin& o = placement.origins()[static_cast<std::size_t>(v - offset)];
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (o.corner[k] >= 0) f += 0.25 * o.weight[k] * fields.row(o.corner[k]);
-      }
-      excused = excused ||
-                placement.moved()[static_cast<std::size_t>(v - offset)] != Placement::Moved::No;
-    }
+/// Children whose label is not the largest field at their centroid.
+void countOffLabel(const tissue::FieldMatrix& fields, const EnvelopeOptions& options,
+                   const std::vector<TissueInTet>& struck, const Placement& placement,
+                   Envelope& envelope) {
+  const double tolerance = 1e-9 * std::max(0.0, fields.maxCoeff());
+  const auto base = static_cast<std::int32_t>(fields.rows());
+  struct Off {
+    std::int32_t tet;
+    bool excused;
+  };
+  const auto off = collect<Off>(envelope.mesh.T.rows(), [&](std::int64_t t, auto& out) {
+    const std::int32_t parent = envelope.parentTet[at(t)];
+    const auto first = std::ranges::lower_bound(struck, TissueInTet{parent, TissueId(0)});
+    const bool isStruck = first != struck.end() && first->tet == parent;
+    // A tet that stayed whole has its corners' owner on top everywhere
+    if (envelope.firstChild[at(parent) + 1] - envelope.firstChild[at(parent)] == 1 && !isStruck)
+      return;
+    thread_local Eigen::RowVectorXd f;
+    fieldsAtCentroid(fields, envelope, t, f);
     if (!options.fatIsCandidate) f[0] = -std::numeric_limits<double>::infinity();
-    const double own = f[out.label[static_cast<std::size_t>(t)].value - 1];
-    if (f.maxCoeff() - own <= tolerance) return;
-    volume[static_cast<std::size_t>(t)] = mesh::signedVolume(out.mesh, t);
-    kind[static_cast<std::size_t>(t)] = excused ? 1 : 2;
+    if (f.maxCoeff() - f[envelope.label[at(t)].value - kFat.value] <= tolerance) return;
+    bool excused = isStruck;
+    for (int c = 0; c < 4; ++c) {
+      const std::int32_t v = envelope.mesh.T(t, c);
+      excused |= v >= base && placement.placed[at(v - base)] != Placed::Exact;
+    }
+    out.push_back({static_cast<std::int32_t>(t), excused});
   });
-  for (std::size_t t = 0; t < kind.size(); ++t) {
-    if (kind[t] == 0) continue;
-    ++out.stats.offLabelTets;
-    out.stats.offLabelVolume += volume[t];
-    out.stats.unexplainedOffLabelTets += kind[t] == 2;
+  EnvelopeStats& stats = envelope.stats;
+  stats.offLabelTets = static_cast<std::int64_t>(off.size());
+  for (const Off& o : off) {
+    stats.offLabelVolume += mesh::signedVolume(envelope.mesh, o.tet);
+    stats.unexplainedOffLabelTets += !o.excused;
   }
+}
+
+/// The diagram, with islands struck if that is asked for.
+Result<Islands> findDiagram(const mesh::TetMesh& mesh, const mesh::TetNeighbours& neighbours,
+                            const tissue::FieldMatrix& fields, const EnvelopeOptions& options,
+                            RunContext& run) {
+  if (options.strikeIslands) {
+    return strikeIslands(mesh, neighbours, fields, options.fatIsCandidate, options.seeds, run);
+  }
+  const Candidates all(mesh.T, static_cast<std::int32_t>(fields.cols()), options.fatIsCandidate,
+                       {});
+  auto diagram = computeDiagram(mesh.T, fields, all, run);
+  if (!diagram) return passOn(diagram);
+  Islands none;
+  none.diagram = std::move(*diagram);
+  return none;
 }
 
 }  // namespace
@@ -185,115 +136,60 @@ Result<Envelope> computeEnvelope(const mesh::TetMesh& mesh, const mesh::TetNeigh
                                  RunContext& run) {
   EC_REQUIRE_EQ(mesh.V.rows(), fields.rows());
   EC_REQUIRE_EQ(mesh.T.rows(), neighbours.rows());
-  EC_REQUIRE(fields.cols() >= (options.fatIsCandidate ? 1 : 2) && fields.cols() < 32000);
-  auto cells = buildCells(mesh, neighbours, fields, options, run);
-  if (!cells) return passOn(cells);
+  EC_REQUIRE(fields.cols() >= (options.fatIsCandidate ? 1 : 2));
+  EC_REQUIRE(options.clamp > 0.0 && options.clamp < 0.25);
+  const auto cancelled = [] {
+    return fail(ErrorCode::Cancelled, "stopped while dividing the domain");
+  };
 
-  Placement placement(mesh, fields, numberNames(*cells, static_cast<std::int32_t>(mesh.V.rows())),
-                      options);
+  // Names
+  auto islands = findDiagram(mesh, neighbours, fields, options, run);
+  if (!islands) return passOn(islands);
+  const Diagram& diagram = islands->diagram;
+
+  // Tets, places
+  Split split = splitTets(mesh.T, diagram);
+  if (run.cancelled()) return cancelled();
+  Placement placement = placeNames(mesh.T, fields, diagram,
+                                   options.exact ? std::nullopt : std::optional(options.clamp));
   Envelope out;
-  fillVertices(mesh, placement, out.mesh.V);
-  fillTets(mesh, *cells, out);
-  if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while filling the envelope");
-
-  // Positions are doubles and exact ties have no room: move what stands in the way until every tet
-  // has volume
-  std::vector<std::int32_t> bad = badSplits(out, *cells, out.stats.nonPositiveTets);
+  EnvelopeStats& stats = out.stats;
+  out.mesh.V = positionsOf(mesh.V, placement.origin);
   if (!options.exact) {
-    for (int round = 0; round < 6 && !bad.empty(); ++round) {
-      placement.relax(cells->split, bad, round == 0 ? 0.5 : 1.0, round >= 2);
-      fillVertices(mesh, placement, out.mesh.V);
-      bad = badSplits(out, *cells, out.stats.nonPositiveTets);
-    }
+    const double thin = kThinPerClamp3 * options.clamp * options.clamp * options.clamp;
+    const RepairCount count =
+        repairPlaces(mesh, fields, diagram, thin, split, placement, out.mesh.V);
+    stats.repairedTets = count.parents;
+    stats.rebuiltTets = count.rebuilt;
   }
+  if (run.cancelled()) return cancelled();
 
-  out.origin = placement.origins();
-  out.stats.newVertices = static_cast<std::int64_t>(placement.names().size());
-  for (const auto moved : placement.moved()) {
-    out.stats.clampedVertices += moved == Placement::Moved::Clamped;
-    out.stats.repairedVertices += moved == Placement::Moved::Repaired;
-  }
-  for (std::size_t t = 0; t < cells->splitOf.size(); ++t) {
-    const std::int32_t s = cells->splitOf[t];
-    const std::size_t n = s < 0 ? 1 : cells->split[static_cast<std::size_t>(s)].cells.size();
-    ++out.stats.tetsByTissueCount[std::min<std::size_t>(n, 6) - 1];
-  }
-  out.stats.islands = cells->islands;
-  out.stats.fatPockets = cells->fatPockets;
-  out.stats.islandVolume = std::move(cells->islandVolume);
-  countOffLabel(mesh, fields, *cells, placement, options, out);
-  return out;
-}
+  // Neighbours
+  const Ancestry ancestry(mesh.T, static_cast<std::int32_t>(mesh.V.rows()), placement.origin);
+  auto adjacency = linkChildren(mesh.T, neighbours, diagram, split, ancestry);
+  out.neighbours = std::move(adjacency.neighbours);
+  stats.unmatchedFaces = adjacency.unmatchedFaces;
 
-Result<AnatomyBuild> buildAnatomy(const domain::Domain& domain, const tissue::TissueFields& fields,
-                                  const tissue::CoreSamples& cores, const EnvelopeOptions& options,
-                                  RunContext& run) {
-  const Stage stage(run, "envelope");
-  EnvelopeOptions own = options;
-  own.fatIsCandidate = fields.fatIsCandidate;
-  for (const tissue::CoreSample& sample : cores.samples)
-    own.seeds.push_back({sample.tet, sample.tissue});
-  std::ranges::sort(own.seeds);
-  own.seeds.erase(std::unique(own.seeds.begin(), own.seeds.end()), own.seeds.end());
+  out.mesh.T = std::move(split.T);
+  out.parentTet = std::move(split.parent);
+  out.firstChild = std::move(split.firstChild);
+  out.label.resize(split.column.size());
+  for (std::size_t t = 0; t < split.column.size(); ++t)
+    out.label[t] = TissueId(split.column[t] + kFat.value);
+  out.origin = placement.origin;
 
-  auto envelope = computeEnvelope(domain.mesh, domain.neighbours, fields.values, own, run);
-  if (!envelope) return passOn(envelope);
-
-  AnatomyBuild out;
-  out.stats = std::move(envelope->stats);
-  Anatomy& anatomy = out.anatomy;
-  anatomy.mesh = std::move(envelope->mesh);
-  anatomy.label = std::move(envelope->label);
-  anatomy.parentTet = std::move(envelope->parentTet);
-  anatomy.origin = std::move(envelope->origin);
-  anatomy.neighbours = mesh::tetAdjacency(anatomy.mesh.T).neighbours;
-
-  // A boundary face lies on the parent's face whose corners carry all of its weight
-  std::vector<std::array<std::int32_t, 4>> tagOf(static_cast<std::size_t>(domain.mesh.T.rows()),
-                                                 {-1, -1, -1, -1});
-  for (Eigen::Index b = 0; b < domain.boundaryF.rows(); ++b) {
-    const std::int32_t t = domain.boundaryTet[static_cast<std::size_t>(b)];
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t opposite = domain.mesh.T(t, k);
-      if ((domain.boundaryF.row(b).array() != opposite).all()) {
-        tagOf[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)] =
-            static_cast<std::int32_t>(b);
-      }
-    }
-  }
-  const mesh::TetBoundary boundary = mesh::tetBoundary(anatomy.mesh.T, anatomy.neighbours);
-  anatomy.boundaryF = boundary.F;
-  anatomy.boundaryTet = boundary.tet;
-  anatomy.boundaryTag.resize(boundary.tet.size());
-  const auto offset = static_cast<std::int32_t>(domain.mesh.V.rows());
-  for (Eigen::Index b = 0; b < boundary.F.rows(); ++b) {
-    const std::int32_t parent =
-        anatomy.parentTet[static_cast<std::size_t>(boundary.tet[static_cast<std::size_t>(b)])];
-    std::int32_t found = -1;
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t tag = tagOf[static_cast<std::size_t>(parent)][static_cast<std::size_t>(k)];
-      if (tag < 0) continue;
-      const std::int32_t opposite = domain.mesh.T(parent, k);
-      bool uses = false;
-      for (int c = 0; c < 3; ++c) {
-        const std::int32_t v = boundary.F(b, c);
-        if (v < offset) {
-          uses = uses || v == opposite;
-        } else {
-          const auto& corners = anatomy.origin[static_cast<std::size_t>(v - offset)].corner;
-          uses = uses || std::ranges::find(corners, opposite) != corners.end();
-        }
-      }
-      if (!uses) found = tag;
-    }
-    if (found < 0) {
-      return fail(ErrorCode::Internal,
-                  fmt::format("the envelope has a boundary face that the domain has not, in tet {}",
-                              parent));
-    }
-    anatomy.boundaryTag[static_cast<std::size_t>(b)] =
-        domain.boundaryTag[static_cast<std::size_t>(found)];
-  }
+  // What can be said about it
+  countNames(mesh.T, diagram, stats);
+  stats.newVertices = static_cast<std::int64_t>(out.origin.size());
+  stats.clampedVertices = std::ranges::count(placement.placed, Placed::Clamped);
+  stats.repairedVertices = std::ranges::count(placement.placed, Placed::Repaired);
+  countOrientations(out, stats);
+  stats.islands = islands->count;
+  stats.keptIslands = islands->kept;
+  stats.fatPockets = islands->fatPockets;
+  stats.islandVolume = std::move(islands->volume);
+  stats.lostTissues = std::move(islands->lost);
+  countOffLabel(fields, options, islands->struck, placement, out);
   return out;
 }
 
