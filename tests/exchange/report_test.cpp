@@ -36,6 +36,7 @@ Report sampleReport() {
   biceps.fibers = exchange::FiberFigures{12.3, 1.1, 98, 4.5, 0.0001, 0.002};
   r.tissues = {{1, "fat", "fat", "", "", "fat.obj", 1000.0, 900.0, 3, 200000, {}, {}}, biceps};
   r.tissuesPerTet = {0.8, 0.18, 0.02};
+  r.envelope = {81004, 1204, 17, 1, 3, 120, 1.3e-7, 0, 2, 4.5e-6, 3};
   r.quality = {0.3, 178.2, {10, 20, 30, 40, 50, 60}, 1e-17};
   r.checks = {{"tets-positive", true, 0, 0, "0 of 412881 tets", "", {}},
               {"curves-inside", false, 0.9, 0.95, "90 % of biceps", "biceps",

@@ -104,6 +104,59 @@ exchange::QualityFigures qualityOf(const mesh::TetMesh& mesh) {
   return out;
 }
 
+exchange::EnvelopeFigures envelopeOf(const envelope::EnvelopeStats& stats, double volume) {
+  double islands = 0.0;
+  for (const double v : stats.islandVolume) islands += v;
+  const auto share = [&](double part) { return volume > 0.0 ? part / volume : 0.0; };
+  return {.newVertices = stats.newVertices,
+          .clampedVertices = stats.clampedVertices,
+          .repairedVertices = stats.repairedVertices,
+          .rebuiltTets = stats.rebuiltTets,
+          .nonPositiveAt32Bits = stats.nonPositiveRounded,
+          .offLabelTets = stats.offLabelTets,
+          .offLabelShare = share(stats.offLabelVolume),
+          .offLabelUnexplained = stats.unexplainedOffLabelTets,
+          .islands = stats.islands,
+          .islandShare = share(islands),
+          .fatPockets = stats.fatPockets};
+}
+
+Findings envelopeFindings(const Build& build) {
+  const envelope::EnvelopeStats& stats = build.envelopeStats;
+  Findings out;
+  if (stats.islands > 0) {
+    double volume = 0.0;
+    for (const double v : stats.islandVolume) volume += v;
+    out.push_back({.severity = Severity::Repaired,
+                   .kind = "islands",
+                   .message = fmt::format(
+                       "{} pieces of muscle that touched none of their curves were given to their "
+                       "neighbours, {:.3g} cm³ in all",
+                       stats.islands, volume * kCm3),
+                   .size = volume});
+  }
+  for (const TissueId lost : stats.lostTissues) {
+    const std::string& name = build.tissues[static_cast<std::size_t>(lost.value - 2)].name;
+    out.push_back(
+        {.severity = Severity::Warning,
+         .kind = "lost-tissue",
+         .object = name,
+         .message = fmt::format("nothing of \"{}\" holds its own curve, so nothing of it is "
+                                "left: raise its tissue value",
+                                name)});
+  }
+  if (stats.rebuiltTets > 0) {
+    out.push_back(
+        {.severity = Severity::Repaired,
+         .kind = "tets-rebuilt",
+         .message = fmt::format("the inside of {} tets of the domain was cut anew: no place "
+                                "for their points gave every piece volume",
+                                stats.rebuiltTets),
+         .size = static_cast<double>(stats.rebuiltTets)});
+  }
+  return out;
+}
+
 std::vector<exchange::Check> checksOf(const Build& build) {
   std::vector<exchange::Check> out;
   const auto& stats = build.envelopeStats;
@@ -126,12 +179,13 @@ std::vector<exchange::Check> checksOf(const Build& build) {
                   report.maxDeviation * 1e3));
   add("tets-positive", stats.nonPositiveTets == 0, static_cast<double>(stats.nonPositiveTets), 0.0,
       "output tets without positive volume");
-  const double share = domain.volume > 0.0 ? stats.offLabelVolume / domain.volume : 0.0;
+  const double share = envelopeOf(stats, domain.volume).offLabelShare;
   add("labels-largest", share <= 5e-4 && stats.unexplainedOffLabelTets == 0, share, 5e-4,
       fmt::format("volume share of tets whose tissue is not the largest field at the centroid: {} "
-                  "tets, clamped, "
-                  "repaired or islands; {} without such a reason",
-                  stats.offLabelTets, stats.unexplainedOffLabelTets));
+                  "tets at {} clamped and {} repaired vertices of {}, or in {} islands; {} without "
+                  "such a reason",
+                  stats.offLabelTets, stats.clampedVertices, stats.repairedVertices,
+                  stats.newVertices, stats.islands, stats.unexplainedOffLabelTets));
   double total = 0.0;
   for (const auto& m : build.measures) total += m.volume;
   const double off = domain.volume > 0.0 ? std::abs(total - domain.volume) / domain.volume : 0.0;
@@ -181,24 +235,14 @@ exchange::Report makeReport(const model::Project& project, const Build& build,
     out.tissuesPerTet.push_back(static_cast<double>(n) /
                                 std::max<double>(1.0, static_cast<double>(out.domainTets)));
   }
+  out.envelope = envelopeOf(build.envelopeStats, domain.volume);
   out.quality = qualityOf(build.anatomy.mesh);
   out.checks = checksOf(build);
   out.references = written.references;
+  const Findings cut = envelopeFindings(build);
   for (const Findings* list :
-       {&build.domain.report.findings, &build.cores.findings, &build.fibers.findings}) {
+       {&build.domain.report.findings, &build.cores.findings, &cut, &build.fibers.findings}) {
     out.findings.insert(out.findings.end(), list->begin(), list->end());
-  }
-  if (build.envelopeStats.islands > 0) {
-    double volume = 0.0;
-    for (const double v : build.envelopeStats.islandVolume) volume += v;
-    out.findings.push_back(
-        {.severity = Severity::Repaired,
-         .kind = "islands",
-         .message = fmt::format(
-             "{} pieces of muscle that touched none of their curves were given to their "
-             "neighbours, {:.3g} cm³ in all",
-             build.envelopeStats.islands, volume * kCm3),
-         .size = volume});
   }
   out.stages = run.stageTimes();
   out.peakMemoryBytes = static_cast<std::int64_t>(peakMemory());

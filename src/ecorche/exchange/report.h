@@ -66,6 +66,21 @@ struct QualityFigures {
   double smallestVolume = 0.0;  ///< [m³]
 };
 
+/// What cutting along the largest field did to get there.
+struct EnvelopeFigures {
+  std::int64_t newVertices = 0;
+  std::int64_t clampedVertices = 0;   ///< kept from the ends of their edges and the rims of faces
+  std::int64_t repairedVertices = 0;  ///< moved further, for volume
+  std::int64_t rebuiltTets = 0;       ///< of the domain, cut anew because moving was not enough
+  std::int64_t nonPositiveAt32Bits = 0;  ///< tets without volume if coordinates are rounded so
+  std::int64_t offLabelTets = 0;         ///< another field is the largest at the centroid
+  double offLabelShare = 0.0;            ///< of the volume
+  std::int64_t offLabelUnexplained = 0;  ///< neither clamped, repaired nor an island's
+  std::int64_t islands = 0;              ///< given to their neighbours
+  double islandShare = 0.0;              ///< of the volume
+  std::int64_t fatPockets = 0;           ///< pieces of fat beyond the first
+};
+
 struct MachineFigures {
   std::string processor;
   std::int64_t cores = 0;
@@ -88,6 +103,7 @@ struct Report {
   std::vector<TissueFigures> tissues;
   /// Share of the domain's tets that hold 1, 2, 3 … tissues.
   std::vector<double> tissuesPerTet;
+  EnvelopeFigures envelope;
   QualityFigures quality;
   std::vector<Check> checks;
   std::vector<FaceReference> references;  ///< of the triangles in anatomy.mesh

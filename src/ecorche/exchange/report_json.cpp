@@ -101,6 +101,34 @@ TissueFigures tissueFrom(const Json& j) {
   return t;
 }
 
+Json envelopeJson(const EnvelopeFigures& e) {
+  return {{"new_vertices", e.newVertices},
+          {"clamped_vertices", e.clampedVertices},
+          {"repaired_vertices", e.repairedVertices},
+          {"rebuilt_tets", e.rebuiltTets},
+          {"non_positive_at_32_bits", e.nonPositiveAt32Bits},
+          {"off_label_tets", e.offLabelTets},
+          {"off_label_share", e.offLabelShare},
+          {"off_label_unexplained", e.offLabelUnexplained},
+          {"islands", e.islands},
+          {"island_share", e.islandShare},
+          {"fat_pockets", e.fatPockets}};
+}
+
+EnvelopeFigures envelopeFrom(const Json& j) {
+  return {j.at("new_vertices"),
+          j.at("clamped_vertices"),
+          j.at("repaired_vertices"),
+          j.at("rebuilt_tets"),
+          j.at("non_positive_at_32_bits"),
+          j.at("off_label_tets"),
+          j.at("off_label_share"),
+          j.at("off_label_unexplained"),
+          j.at("islands"),
+          j.at("island_share"),
+          j.at("fat_pockets")};
+}
+
 Finding findingFrom(const Json& j) {
   Finding f;
   for (const Severity s :
@@ -130,6 +158,7 @@ Json reportJson(const Report& r) {
   j["tissues"] = Json::array();
   for (const TissueFigures& t : r.tissues) j["tissues"].push_back(tissueJson(t));
   j["tissues_per_tet"] = r.tissuesPerTet;
+  j["envelope"] = envelopeJson(r.envelope);
   j["quality"] = {{"min_dihedral_deg", r.quality.minDihedralDeg},
                   {"max_dihedral_deg", r.quality.maxDihedralDeg},
                   {"min_dihedral_histogram", r.quality.minDihedralHistogram},
@@ -167,6 +196,7 @@ Report reportFrom(const Json& j) {
   r.vertices = j.at("anatomy").at("vertices");
   for (const Json& t : j.at("tissues")) r.tissues.push_back(tissueFrom(t));
   r.tissuesPerTet = j.at("tissues_per_tet").get<std::vector<double>>();
+  r.envelope = envelopeFrom(j.at("envelope"));
   const Json& quality = j.at("quality");
   r.quality.minDihedralDeg = quality.at("min_dihedral_deg");
   r.quality.maxDihedralDeg = quality.at("max_dihedral_deg");
