@@ -13,7 +13,7 @@
 namespace ecorche::test {
 
 /// The smallest anatomy that is one, on disk: an egg for a skin, a bone in its middle, two muscles
-/// beside the bone. 3000 tets; a build takes about a second. Tests spoil its files.
+/// beside the bone. 8000 tets; a build takes about a second. Tests spoil its files.
 ///
 ///   limb.ecorche  skin.obj  bone.obj
 class SmallProject {
@@ -46,7 +46,7 @@ class SmallProject {
   "unit": "m",
   "skin": {"file": "skin.obj"},
   "bones": [{"name": "humerus", "file": "bone.obj"}],
-  "settings": {"fat": 0.3, "tets": 3000},
+  "settings": {"fat": 0.3, "tets": 8000},
   "tissues": [
     {"name": "flexor", "kind": "muscle",
      "curves": [{"points": [{"at": [0.006, 0, -0.08], "tissue": 1}, {"at": [0.026, 0, 0], "tissue": 1}, {"at": [0.006, 0, 0.08], "tissue": 1}],

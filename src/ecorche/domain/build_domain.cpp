@@ -4,13 +4,15 @@
 #include <ecorche/core/subprocess.h>
 #include <ecorche/domain/build_domain.h>
 #include <ecorche/domain/carve.h>
+#include <ecorche/domain/deviation.h>
 #include <ecorche/domain/domain_cache.h>
+#include <ecorche/domain/fill_mesh_3.h>
 #include <ecorche/domain/finish_domain.h>
 #include <ecorche/domain/interior_points.h>
-#include <ecorche/domain/resample.h>
 #include <ecorche/domain/sizing_field.h>
 #include <ecorche/domain/tet_files.h>
 #include <ecorche/domain/triangle_tree.h>
+#include <ecorche/domain/wall_resampling.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_repair.h>
@@ -20,7 +22,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace ecorche::domain {
 
@@ -28,14 +29,9 @@ namespace {
 
 using mesh::Vector3;
 
-// Beside the walls TetGen needs more tets than the lattice alone would; measured on limbs of 120 k
-// to 1.5 M tets
-constexpr double kWallFactor = 1.0;
 constexpr std::int64_t kDefaultTets = 200000;
-// Walls kept as they are, angles and radius-edge ratios of tets bounded
+constexpr double kWrapShare = 0.5;  // of the tolerance, for wraps; resampling needs the rest
 constexpr const char* kTetgenSwitches = "pq1.6/10YQ";
-// The same with walls that may be split
-constexpr const char* kTetgenLooser = "pq1.6/10Q";
 
 struct Prepared {
   CarveInput carve;
@@ -61,6 +57,7 @@ Result<Prepared> prepare(const DomainInput& input, RunContext& run) {
   out.findings = std::move(skin->findings);
   out.carve.skin = std::move(skin->mesh);
   out.carve.cutPlanes = input.cutPlanes;
+  for (CutPlane& plane : out.carve.cutPlanes) plane.normal.normalize();
 
   struct Wanted {
     const mesh::SurfaceMesh* mesh;
@@ -142,7 +139,7 @@ mesh::Positions pointsInVoids(const TaggedSurface& walls) {
 }
 
 Result<TetAnswer> runTetgen(const TaggedSurface& walls, const mesh::Positions& points,
-                            const char* switches, const DomainOptions& options, RunContext& run) {
+                            const DomainOptions& options, RunContext& run) {
   const Stage stage(run, "domain: tets");
   auto scratch = ScratchFolder::create();
   if (!scratch) return passOn(scratch);
@@ -150,7 +147,7 @@ Result<TetAnswer> runTetgen(const TaggedSurface& walls, const mesh::Positions& p
   request.surface = walls;
   request.points = points;
   request.holes = pointsInVoids(walls);
-  request.switches = switches;
+  request.switches = kTetgenSwitches;
   const auto in = scratch->path() / "request";
   const auto out = scratch->path() / "answer";
   if (auto written = writeFileWhole(in, encodeTetRequest(request)); !written)
@@ -163,61 +160,67 @@ Result<TetAnswer> runTetgen(const TaggedSurface& walls, const mesh::Positions& p
   return decodeTetAnswer(*bytes);
 }
 
-// Farthest and mean distance of a surface's vertices and face centres from another
-void measure(const mesh::Positions& V, const mesh::Triangles& F,
-             const std::vector<Eigen::Index>& faces, const mesh::SurfaceQuery& to, double& largest,
-             double& mean) {
-  std::vector<double> distance(faces.size() * 4, 0.0);
-  parallelFor(
-      static_cast<std::int64_t>(faces.size()),
-      [&](std::int64_t i) {
-        const Eigen::Index f = faces[static_cast<std::size_t>(i)];
-        Vector3 centre = Vector3::Zero();
-        for (int c = 0; c < 3; ++c) {
-          const Vector3 p = V.row(F(f, c)).transpose();
-          distance[static_cast<std::size_t>(4 * i + c)] = to.distance(p);
-          centre += p / 3.0;
-        }
-        distance[static_cast<std::size_t>(4 * i + 3)] = to.distance(centre);
-      },
-      64);
-  largest = 0.0;
-  double sum = 0.0;
-  for (const double d : distance) {
-    largest = std::max(largest, d);
-    sum += d;
-  }
-  mean = distance.empty() ? 0.0 : sum / static_cast<double>(distance.size());
+/// As many tets as a lattice of this mean edge has in the volume.
+double tetsOfEdge(double edge, const TaggedSurface& walls) {
+  return mesh::signedVolume(walls.V, walls.F) / latticeTetVolume(edge);
 }
 
-// Both ways, on what is exposed: the carved surface is what is left of the inputs where none hides
-// another
-void measureDeviations(const Domain& domain, const TaggedSurface& carved, const CarveInput& input,
-                       DomainReport& report, RunContext& run) {
-  const Stage stage(run, "domain: deviation");
-  const mesh::SurfaceQuery toDomain(domain.mesh.V, domain.boundaryF);
-  std::map<BoundaryTag, std::vector<Eigen::Index>> domainFaces;
-  for (std::size_t b = 0; b < domain.boundaryTag.size(); ++b)
-    domainFaces[domain.boundaryTag[b]].push_back(static_cast<Eigen::Index>(b));
-  std::map<BoundaryTag, std::vector<Eigen::Index>> carvedFaces;
-  for (std::size_t f = 0; f < carved.tag.size(); ++f)
-    carvedFaces[unpacked(carved.tag[f])].push_back(static_cast<Eigen::Index>(f));
+struct Filling {
+  TaggedSurface walls;
+  mesh::Positions points;
+  double scale = 1.0;
+};
 
-  const auto look = [&](BoundaryTag tag, const std::string& name,
-                        const mesh::SurfaceMesh& original) {
-    const auto faces = domainFaces.find(tag);
-    if (faces == domainFaces.end()) return;
-    SurfaceDeviation d;
-    d.name = name;
-    const mesh::SurfaceQuery toOriginal(original);
-    measure(domain.mesh.V, domain.boundaryF, faces->second, toOriginal, d.maxToInput,
-            d.meanToInput);
-    measure(carved.V, carved.F, carvedFaces[tag], toDomain, d.maxFromInput, d.meanFromInput);
-    report.maxDeviation = std::max({report.maxDeviation, d.maxToInput, d.maxFromInput});
-    report.deviations.push_back(std::move(d));
-  };
-  look({BoundaryTag::Kind::Skin, 0}, "skin", input.skin);
-  for (const Hole& hole : input.holes) look(hole.tag, hole.name, hole.mesh);
+/// Resampled walls and points between them. The first guess of the scale is put right where points
+/// and walls, once counted, lead elsewhere: points alone where that is enough, walls too where
+/// their triangles would no longer match the tets.
+Result<Filling> fillWalls(const TaggedSurface& surface, const std::vector<CutPlane>& cutPlanes,
+                          const SizingField& sizing, double scale, std::optional<double> budget,
+                          double tolerance, RunContext& run) {
+  constexpr double kClose = 0.03;     // of the budget: near enough
+  constexpr double kMismatch = 0.12;  // of the scale, between walls and tets
+  constexpr double kCoarser =
+      1.4;  // than the walls: more would make needles of the tets beside them
+  constexpr int kTrials = 4;
+  Filling out;
+  for (int attempt = 0;; ++attempt) {
+    auto resampled = resampleWalls(surface, cutPlanes, sizing, scale, tolerance, run);
+    if (!resampled) return passOn(resampled);
+    out.walls = std::move(resampled->walls);
+    out.scale = scale;
+
+    const Stage stage(run, "domain: inner points");
+    for (int trial = 0;; ++trial) {
+      out.points = interiorPoints(out.walls, sizing, out.scale);
+      if (!budget) return out;
+      const double left = *budget - tetsOf(0, out.walls.F.rows());
+      const double now = tetsOf(out.points.rows(), 0);
+      if (trial == kTrials || std::abs(now - left) < kClose * *budget || run.cancelled()) break;
+      // Walls alone may use the budget up
+      const double factor = left > 0.0 ? std::cbrt(now / left) : kCoarser;
+      const double next = std::clamp(out.scale * factor, scale / kCoarser, scale * kCoarser);
+      if (next == out.scale) break;
+      out.scale = next;
+    }
+    if (attempt == 2 || std::abs(std::log(out.scale / scale)) < kMismatch) return out;
+    scale = out.scale;
+  }
+}
+
+// Where the promise cannot be kept the report says so, surface by surface
+void reportExcess(DomainReport& report) {
+  for (const SurfaceDeviation& d : report.deviations) {
+    const double far = std::max(d.maxFromInput, d.maxToInput);
+    if (far <= report.tolerance) continue;
+    report.findings.push_back(
+        {.severity = Severity::Warning,
+         .kind = "deviation",
+         .object = d.name,
+         .message = fmt::format(
+             "\"{}\" and the domain are up to {:.3g} mm apart; {:.3g} mm were asked for", d.name,
+             far * 1e3, report.tolerance * 1e3),
+         .size = far});
+  }
 }
 
 }  // namespace
@@ -253,7 +256,7 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
                              prepared->findings.end());
 
   // 4, 5. Unite bones, subtract, clip
-  auto carved = carve(prepared->carve, {.wrapTolerance = 0.5 * tolerance}, run);
+  auto carved = carve(prepared->carve, {.wrapTolerance = kWrapShare * tolerance}, run);
   if (!carved) return passOn(carved);
   out.report.findings.insert(out.report.findings.end(), carved->findings.begin(),
                              carved->findings.end());
@@ -263,80 +266,70 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   out.report.bonesUsed = prepared->bones - out.report.bonesLeftOut;
 
   // Sizing: lengths wanted by curves and gaps, all scaled to the budget
-  const mesh::Box box = mesh::boundingBox(carved->surface.V);
-  double scale = 1.0;
+  std::optional<double> budget;
+  if (!options.edgeLength || options.tets) {
+    out.report.requestedTets = options.tets.value_or(kDefaultTets);
+    budget = static_cast<double>(out.report.requestedTets);
+  }
+  const double coarsest = 0.02 * diagonal;
   std::optional<SizingField> sizing;
+  double scale = 1.0;
   {
     const Stage stage(run, "domain: sizing");
     const double finest = 0.0008 * diagonal;
-    const double coarsest = 0.02 * diagonal;
-    const mesh::SurfaceQuery walls(carved->surface.V, carved->surface.F);
-    sizing.emplace(box, sizingSources(input.curves, carved->surface, finest, coarsest), coarsest,
+    sizing.emplace(mesh::boundingBox(carved->surface.V),
+                   sizingSources(input.curves, carved->surface, finest, coarsest), coarsest,
                    options.gradation);
-    if (options.edgeLength && !options.tets) {
-      // Mean wanted length over the volume becomes the given one
-      const TetEstimate estimate(walls, *sizing);
-      const double cell = *options.edgeLength / 0.92;
-      scale = estimate.scaleFor(12.0 * mesh::signedVolume(carved->surface.V, carved->surface.F) /
-                                (cell * cell * cell));
-    } else {
-      const auto wanted = static_cast<double>(options.tets.value_or(kDefaultTets));
-      out.report.requestedTets = options.tets.value_or(kDefaultTets);
-      scale = TetEstimate(walls, *sizing).scaleFor(wanted / kWallFactor);
-    }
+    const TetEstimate estimate(carved->surface, *sizing);
+    // A given edge length is that of the lattice that fills the same volume with as many tets
+    scale = estimate.scaleFor(budget ? *budget : tetsOfEdge(*options.edgeLength, carved->surface));
   }
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while sizing the domain");
 
-  // 3. Resample to the wanted lengths. Half the tolerance: tips that resampling cuts off are seen
-  // only from the other side, and what is left pays for them.
-  TaggedSurface walls;
-  {
-    const Stage stage(run, "domain: resample");
-    ResampleOptions how;
-    how.edgeLength = [&](const Vector3& p) { return scale * sizing->at(p); };
-    how.tolerance = [&](const Vector3&) { return 0.7 * tolerance; };
-    auto resampled = resample(carved->surface, input.cutPlanes, how, run);
-    if (!resampled && resampled.error().code != ErrorCode::MeshNotRepairable)
-      return passOn(resampled);
-    if (!resampled) {
-      out.report.findings.push_back(
-          {Severity::Warning, "not-resampled", "domain",
-           resampled.error().message + "; the walls keep their full density"});
-    }
-    walls = resampled ? std::move(*resampled) : carved->surface;
-  }
+  // 3. Resample to the wanted lengths, and fill to the budget
+  auto filling =
+      fillWalls(carved->surface, prepared->carve.cutPlanes, *sizing, scale, budget, tolerance, run);
+  if (!filling) return passOn(filling);
+  const TaggedSurface& walls = filling->walls;
+  const mesh::Positions& points = filling->points;
+  scale = filling->scale;
 
   // 6. Tets
-  mesh::Positions points;
-  {
-    const Stage stage(run, "domain: inner points");
-    points = interiorPoints(mesh::SurfaceQuery(walls.V, walls.F), *sizing, scale);
-  }
-  // Resampling can make walls cut one another where they are close; the carved walls themselves do
-  // not
-  struct Attempt {
-    const TaggedSurface* walls;
-    const char* switches;
-    const char* what;
+  auto answer = runTetgen(walls, points, options, run);
+  const TaggedSurface* filled = &walls;
+  out.report.mesher = "TetGen";
+  const auto refused = [&] {
+    return !answer && (answer.error().code == ErrorCode::MeshingFailed ||
+                       answer.error().code == ErrorCode::WorkerCrashed);
   };
-  const Attempt attempts[] = {
-      {&walls, kTetgenSwitches, "resampled walls"},
-      {&carved->surface, kTetgenSwitches, "walls at their full density"},
-      {&carved->surface, kTetgenLooser, "walls at their full density, split where needed"}};
-  Result<TetAnswer> answer;
-  const TaggedSurface* filled = nullptr;
-  for (const Attempt& attempt : attempts) {
-    answer = runTetgen(*attempt.walls, points, attempt.switches, options, run);
-    filled = attempt.walls;
-    if (answer) break;
-    const ErrorCode code = answer.error().code;
-    if (code != ErrorCode::WorkerCrashed && code != ErrorCode::MeshingFailed) return passOn(answer);
+  if (refused()) {
     out.report.findings.push_back(
-        {Severity::Warning, "mesher-refused", "domain",
-         fmt::format("TetGen refused {}: {}", attempt.what, answer.error().message)});
+        {.severity = Severity::Warning,
+         .kind = "mesher-refused",
+         .object = "domain",
+         .message = fmt::format(
+             "TetGen refused the resampled walls ({}); it was given walls at their full density",
+             answer.error().message)});
+    answer = runTetgen(carved->surface, points, options, run);
+    filled = &carved->surface;
+  }
+  if (refused()) {
+    out.report.mesher = "CGAL Mesh_3";
+    out.report.fallback = true;
+    out.report.fallbackReason = answer.error().message;
+    out.report.findings.push_back(
+        {.severity = Severity::Warning,
+         .kind = "fallback",
+         .object = "domain",
+         .message = fmt::format(
+             "TetGen refused the domain ({}); it was filled by CGAL Mesh_3, which makes the "
+             "surface anew and rounds its edges",
+             out.report.fallbackReason)});
+    answer = fillByMesh3(
+        carved->surface, prepared->carve.cutPlanes,
+        [&](const Vector3& p) { return scale * sizing->at(p); }, 0.5 * tolerance, run);
   }
   if (!answer) return passOn(answer);
-  out.report.mesher = "TetGen";
 
   // 7. Verify
   Domain frame;
@@ -346,7 +339,11 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   auto domain = finishDomain(std::move(*answer), *filled, std::move(frame), out.report, run);
   if (!domain) return passOn(domain);
   out.domain = std::move(*domain);
-  measureDeviations(out.domain, carved->surface, prepared->carve, out.report, run);
+  out.report.deviations = measureDeviations(out.domain, *carved, prepared->carve, tolerance, run);
+  for (const SurfaceDeviation& d : out.report.deviations) {
+    out.report.maxDeviation = std::max({out.report.maxDeviation, d.maxFromInput, d.maxToInput});
+  }
+  if (out.report.maxDeviation > tolerance) reportExcess(out.report);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while measuring the domain");
   if (options.useCache) storeCached(key, out);
   return out;

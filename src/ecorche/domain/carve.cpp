@@ -166,18 +166,12 @@ Mesh halfSpace(const CutPlane& plane, std::int32_t tag, double size) {
 
 /// Puts the vertices of the faces on cut plane `tag` onto it.
 void snapToPlane(Mesh& mesh, const CutPlane& plane, std::int32_t tag) {
-  const mesh::Vector3 n = plane.normal.normalized();
   TagMap tags = tagsOf(mesh);
   for (const auto f : mesh.faces()) {
     if (tags[f] != tag) continue;
     for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
       const Point& p = mesh.point(v);
-      mesh::Vector3 q(p.x(), p.y(), p.z());
-      q -= n.dot(q - plane.point) * n;
-      // Along an axis the coordinate itself, so that no rounding is left
-      for (int k = 0; k < 3; ++k) {
-        if (std::abs(n[k]) == 1.0) q[k] = plane.point[k];
-      }
+      const mesh::Vector3 q = ontoPlane(plane, {p.x(), p.y(), p.z()});
       mesh.point(v) = Point(q.x(), q.y(), q.z());
     }
   }
@@ -205,7 +199,6 @@ std::vector<std::vector<std::size_t>> clustersOf(const std::vector<Item>& items)
   };
   std::vector<std::unique_ptr<Inside>> inside(items.size());
   const auto holds = [&](std::size_t outer, std::size_t inner) {
-    if (!items[outer].hole->fit) return false;
     if (!inside[outer]) inside[outer] = std::make_unique<Inside>(*items[outer].mesh);
     const auto p = items[inner].mesh->point(*items[inner].mesh->vertices().begin());
     return (*inside[outer])(p) != CGAL::ON_UNBOUNDED_SIDE;
@@ -267,7 +260,15 @@ class Carver {
                   "nothing is left of the skin after bones and cut planes were taken away",
                   {.object = input_.skin.name});
     }
+    // Last: every cut that meets a plane leaves rounded vertices on it
+    for (std::size_t k = 0; k < input_.cutPlanes.size(); ++k) {
+      snapToPlane(skin_, input_.cutPlanes[k],
+                  packed({BoundaryTag::Kind::CutPlane, static_cast<std::int32_t>(k)}));
+    }
     out_.surface = fromCgal(skin_);
+    std::ranges::sort(out_.wrapped);
+    const auto repeated = std::ranges::unique(out_.wrapped);
+    out_.wrapped.erase(repeated.begin(), repeated.end());
     return std::move(out_);
   }
 
@@ -352,6 +353,9 @@ class Carver {
           {.object = holes.front()->name});
     }
     ++out_.wrapCount;
+    for (const Hole* hole : holes) {
+      out_.wrapped.push_back(static_cast<std::size_t>(hole - input_.holes.data()));
+    }
     std::string names;
     for (const Hole* hole : holes) names += (names.empty() ? "" : ", ") + hole->name;
     note(Severity::Repaired, "wrapped", holes.front()->name,
@@ -384,7 +388,6 @@ class Carver {
                         input_.cutPlanes[k].name),
             {.object = input_.skin.name});
       }
-      snapToPlane(skin_, input_.cutPlanes[k], tag);
       if (skin_.number_of_faces() == 0) {
         return fail(ErrorCode::EmptyDomain,
                     fmt::format("nothing of the skin lies on the kept side of cut plane \"{}\"",

@@ -32,7 +32,9 @@ struct Carved {
   TaggedSurface surface;  ///< exact up to rounding: input faces and pieces of them, and faces on
                           ///< the cut planes
   Findings findings;      ///< what was united, wrapped, cut off, left out
-  int wrapCount = 0;      ///< clusters that had to be wrapped
+  std::vector<std::size_t>
+      wrapped;        ///< places in CarveInput::holes of those that had to be wrapped, ascending
+  int wrapCount = 0;  ///< clusters that had to be wrapped
   std::vector<std::string> leftOut;  ///< holes beyond a cut plane or outside the skin
 };
 

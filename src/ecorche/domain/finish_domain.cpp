@@ -2,6 +2,7 @@
 #include <ecorche/domain/finish_domain.h>
 #include <ecorche/domain/tet_smoothing.h>
 #include <ecorche/domain/triangle_tree.h>
+#include <ecorche/domain/vertex_links.h>
 #include <ecorche/mesh/orientation.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <fmt/format.h>
@@ -215,9 +216,16 @@ Result<Domain> finishDomain(TetAnswer answer, const TaggedSurface& walls, Domain
     return broken(fmt::format("its boundary is no closed manifold ({} vertices at fault)",
                               fans.nonManifoldVertices.size()));
   }
+  if (const auto singular = firstSingularVertex(out.mesh, out.neighbours)) {
+    const mesh::Vector3 p = out.mesh.V.row(*singular).transpose();
+    return broken(fmt::format("it touches itself in a point at ({:.4g}, {:.4g}, {:.4g}) m", p.x(),
+                              p.y(), p.z()));
+  }
   out.volume = mesh::signedVolumes(out.mesh).sum();
   const double wallVolume = mesh::signedVolume(walls.V, walls.F);
-  if (std::abs(out.volume + dropped - wallVolume) > 1e-6 * wallVolume) {
+  // TetGen keeps the walls as they are; Mesh_3 makes its own
+  const double slack = report.fallback ? 1e-2 : 1e-9;
+  if (std::abs(out.volume + dropped - wallVolume) > slack * wallVolume) {
     return broken(fmt::format("it encloses {:.6g} cm³ and its walls {:.6g} cm³", out.volume * 1e6,
                               wallVolume * 1e6));
   }

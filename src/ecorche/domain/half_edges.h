@@ -3,20 +3,9 @@
 #include <ecorche/core/result.h>
 #include <ecorche/domain/tagged_surface.h>
 
-#include <exception>
 #include <vector>
 
 namespace ecorche::domain {
-
-/// The half-edges around a vertex do not close: our own fault, thrown so that nobody waits for
-/// ever.
-class RingBroken : public std::exception {
- public:
-  [[nodiscard]] const char* what() const noexcept override {
-    return "half-edges around a vertex do not close";
-  }
-};
-inline constexpr int kMostNeighbours = 100000;
 
 /// Connectivity of a closed triangle surface that is being resampled. Half-edges 2e and 2e + 1 are
 /// the two sides of edge e. Removed vertices and faces stay as holes in the numbering (-1) until
@@ -48,11 +37,9 @@ class HalfEdges {
   void forOutgoing(std::int32_t v, const Fn& fn) const {
     const std::int32_t first = someOutgoing(v);
     std::int32_t h = first;
-    int count = 0;
     do {
       fn(h);
       h = around(h);
-      if (++count > kMostNeighbours) throw RingBroken();
     } while (h != first);
   }
 

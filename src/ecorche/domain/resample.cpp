@@ -1,13 +1,13 @@
 #include <ecorche/domain/half_edges.h>
 #include <ecorche/domain/resample.h>
 #include <ecorche/domain/triangle_tree.h>
-#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <queue>
 
 namespace ecorche::domain {
 
@@ -142,22 +142,16 @@ class Resampler {
     return u.dot(w) < 0.5 ? Freedom::None : Freedom::Curve;
   }
 
-  Vector3 ontoPlane(std::int32_t tag, Vector3 p) const {
+  Vector3 ontoPlaneOf(std::int32_t tag, const Vector3& p) const {
     const BoundaryTag what = unpacked(tag);
-    if (what.kind != BoundaryTag::Kind::CutPlane) return p;
-    const CutPlane& plane = cutPlanes_[at(what.index)];
-    p -= plane.normal.dot(p - plane.point) * plane.normal;
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(plane.normal[k]) == 1.0) p[k] = plane.point[k];
-    }
-    return p;
+    return what.kind == BoundaryTag::Kind::CutPlane ? ontoPlane(cutPlanes_[at(what.index)], p) : p;
   }
   Vector3 ontoSurface(std::int32_t tag, const Vector3& p) const {
-    return ontoPlane(tag, trees_.at(tag).closest(p).point);
+    return ontoPlaneOf(tag, trees_.at(tag).closest(p).point);
   }
   Vector3 ontoCurve(std::int32_t h, const Vector3& p) const {
     Vector3 q = curves_.closest(p).point;
-    for (const std::int32_t side : {h, HalfEdges::opposite(h)}) q = ontoPlane(he_.tag(side), q);
+    for (const std::int32_t side : {h, HalfEdges::opposite(h)}) q = ontoPlaneOf(he_.tag(side), q);
     return q;
   }
 
@@ -187,15 +181,36 @@ class Resampler {
     return near(tag, is[0], is[1], is[2], tolerance);
   }
 
-  void splitLong() {
-    std::vector<std::pair<double, std::int32_t>> queue;
-    for (std::int32_t h = 0; h < he_.halfEdgeCount(); h += 2) {
-      if (he_.edgeAlive(h) && length(h) > 4.0 / 3.0 * wanted(h)) queue.emplace_back(-length(h), h);
+  /// The edge to split instead of h: none of its two faces has a longer one [Rivara 1984]. In a
+  /// needle, splitting a shorter side leaves sides as long as before, for ever.
+  std::int32_t longestNear(std::int32_t h) const {
+    for (;;) {
+      std::int32_t longest = h;
+      for (const std::int32_t side : {h, HalfEdges::opposite(h)}) {
+        for (const std::int32_t x : {he_.next(side), he_.next(he_.next(side))}) {
+          if (length(x) > length(longest)) longest = x;
+        }
+      }
+      if (longest == h) return h;
+      h = longest;
     }
-    std::ranges::sort(queue);
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-      const std::int32_t h = queue[i].second;
-      if (length(h) <= 4.0 / 3.0 * wanted(h)) continue;
+  }
+
+  void splitLong() {
+    std::priority_queue<std::pair<double, std::int32_t>> queue;
+    const auto look = [&](std::int32_t h) {
+      if (length(h) > 4.0 / 3.0 * wanted(h)) queue.emplace(length(h), h);
+    };
+    for (std::int32_t h = 0; h < he_.halfEdgeCount(); h += 2) {
+      if (he_.edgeAlive(h)) look(h);
+    }
+    while (!queue.empty()) {
+      const auto [was, wish] = queue.top();
+      if (length(wish) != was) {  // split since
+        queue.pop();
+        continue;
+      }
+      const std::int32_t h = longestNear(wish);
       const Vector3 middle = 0.5 * (pos(he_.from(h)) + pos(he_.to(h)));
       const bool curve = isFeature(h);
       const std::int32_t firstNew = he_.halfEdgeCount();
@@ -206,11 +221,7 @@ class Resampler {
       feature_.resize(at(he_.halfEdgeCount() / 2), 0);
       feature_[at(second / 2)] = curve;
       // Both halves, and the new spokes, may still be long
-      for (const std::int32_t x : {h & ~1, firstNew, firstNew + 2, firstNew + 4}) {
-        if (length(x) > 4.0 / 3.0 * wanted(x) && queue.size() < kMostSplits) {
-          queue.emplace_back(-length(x), x);
-        }
-      }
+      for (const std::int32_t x : {h & ~1, firstNew, firstNew + 2, firstNew + 4}) look(x);
     }
   }
 
@@ -376,8 +387,6 @@ class Resampler {
     return ontoCurve(some, 0.5 * (pos(v) + 0.5 * sum));
   }
 
-  static constexpr std::size_t kMostSplits = 20'000'000;
-
   HalfEdges he_;
   const std::vector<CutPlane>& cutPlanes_;
   const ResampleOptions& options_;
@@ -396,12 +405,7 @@ Result<TaggedSurface> resample(const TaggedSurface& surface, const std::vector<C
   const Stage stage(run, "domain: resample");
   auto he = HalfEdges::build(surface);
   if (!he) return passOn(he);
-  try {
-    return Resampler(std::move(*he), surface, cutPlanes, options)(run);
-  } catch (const RingBroken& broken) {
-    return fail(ErrorCode::MeshNotRepairable,
-                fmt::format("resampling lost its way: {}", broken.what()), {.object = "skin"});
-  }
+  return Resampler(std::move(*he), surface, cutPlanes, options)(run);
 }
 
 }  // namespace ecorche::domain

@@ -1,5 +1,7 @@
 #include <ecorche/domain/tagged_surface.h>
 
+#include <cmath>
+
 namespace ecorche::domain {
 
 TaggedSurface tagged(const mesh::SurfaceMesh& mesh, BoundaryTag tag) {
@@ -17,6 +19,15 @@ mesh::SurfaceMesh facesOf(const TaggedSurface& surface, std::int32_t tag) {
   }
   part.F.conservativeResize(count, 3);
   return mesh::compacted(part);
+}
+
+mesh::Vector3 ontoPlane(const CutPlane& plane, mesh::Vector3 p) {
+  p -= plane.normal.dot(p - plane.point) * plane.normal;
+  // Along an axis the coordinate itself, so that no rounding is left
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(plane.normal[k]) == 1.0) p[k] = plane.point[k];
+  }
+  return p;
 }
 
 TaggedSurface compacted(const TaggedSurface& surface) {

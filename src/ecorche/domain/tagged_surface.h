@@ -29,6 +29,10 @@ struct TaggedSurface {
 /// The faces that carry a tag, vertices renumbered in order of first use by index.
 [[nodiscard]] mesh::SurfaceMesh facesOf(const TaggedSurface& surface, std::int32_t tag);
 
+/// The point of the plane nearest to p: up to rounding, and exactly where the unit normal is an
+/// axis.
+[[nodiscard]] mesh::Vector3 ontoPlane(const CutPlane& plane, mesh::Vector3 p);
+
 /// Without vertices that no face uses.
 [[nodiscard]] TaggedSurface compacted(const TaggedSurface& surface);
 
