@@ -116,7 +116,8 @@ Result<void> checkReportAgrees(const CheckedFiles& files, CheckReport& report) {
 
 bool CheckReport::pass() const { return std::ranges::all_of(checks, &Check::pass); }
 
-Result<CheckReport> checkOutput(const fs::path& folder, RunContext& run) {
+Result<CheckReport> checkOutput(const fs::path& folder, RunContext& run,
+                                const CheckOptions& options) {
   const Stage stage(run, "checking files");
   auto files = readFiles(folder);
   if (!files) return passOn(files);
@@ -134,7 +135,9 @@ Result<CheckReport> checkOutput(const fs::path& folder, RunContext& run) {
   if (auto ok = checkMuscles(*files, report, run); !ok) return passOn(ok);
   checkFibers(*files, report.checks);
   run.progress("checking files", 0.7);
-  if (auto ok = checkDeviation(*files, report.checks, run); !ok) return passOn(ok);
+  if (options.deviation) {
+    if (auto ok = checkDeviation(*files, report.checks, run); !ok) return passOn(ok);
+  }
   if (auto ok = checkReportAgrees(*files, report); !ok) return passOn(ok);
   return report;
 }

@@ -21,6 +21,11 @@ struct CheckReport {
   [[nodiscard]] bool pass() const;
 };
 
+struct CheckOptions {
+  /// Measure how far skin and bones lie from the input: most of the time that a small output takes.
+  bool deviation = true;
+};
+
 /// Reads back a folder that `build` wrote and tests every promise on the files' geometry: nothing
 /// comes from memory, nothing is believed but model.json (curves, planes, which file is which).
 ///
@@ -33,7 +38,8 @@ struct CheckReport {
 ///
 /// @errors what the readers say about a file that cannot be read; Cancelled. A check that fails is
 /// no error here.
-[[nodiscard]] Result<CheckReport> checkOutput(const std::filesystem::path& folder, RunContext& run);
+[[nodiscard]] Result<CheckReport> checkOutput(const std::filesystem::path& folder, RunContext& run,
+                                              const CheckOptions& options = {});
 
 /// One CheckFailed that lists the failed checks, what and where; nothing where all passed.
 [[nodiscard]] std::optional<Error> failure(const CheckReport& report,
