@@ -28,6 +28,10 @@ std::vector<RunContext::StageTime> RunContext::stageTimes() const {
   return times_;
 }
 
+double RunContext::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
 Stage::Stage(RunContext& run, std::string stage) : run_(run), stage_(std::move(stage)) {
   run_.progress(stage_, 0.0);
 }

@@ -11,7 +11,8 @@
 
 namespace ecorche {
 
-/// What a long computation is given besides its values: a place to report progress, a flag to stop, a thread count.
+/// What a long computation is given besides its values: a place to report progress, a flag to stop,
+/// a thread count.
 ///
 /// Safe to share between threads: cancel() may come from anywhere, progress() and record() lock.
 class RunContext {
@@ -32,15 +33,19 @@ class RunContext {
 
   void progress(std::string_view stage, double fraction);
 
-  /// Wall time of a finished stage; shown in the report in the order of first appearance, same names added up.
+  /// Wall time of a finished stage; shown in the report in the order of first appearance, same
+  /// names added up.
   void record(std::string_view stage, double seconds);
   [[nodiscard]] std::vector<StageTime> stageTimes() const;
+  /// Wall time since this was made. Stages may hold stages, so their sum means nothing.
+  [[nodiscard]] double seconds() const;
 
  private:
   std::atomic<bool> cancelled_{false};
   ProgressSink sink_;
   mutable std::mutex mutex_;
   std::vector<StageTime> times_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
 /// Times a block: reports 0 on entry, 1 and the seconds on exit.

@@ -110,12 +110,12 @@ Result<Build> build(const model::Project& project, const BuildOptions& options, 
   }
   {
     const Stage stage(run, "fibres");
-    fiber::FiberOptions how;
+    fiber::FiberOptions flow;
     // One muscle that its neighbours pinch off from an end must not cost the user the other forty:
     // its fibres follow its curve, a finding names it
-    how.speckShare = 2.0;
+    flow.speckShare = 2.0;
     auto fibers =
-        fiber::computeFibers(out.anatomy, domain, out.tissues, muscleEnds(project), how, run);
+        fiber::computeFibers(out.anatomy, domain, out.tissues, muscleEnds(project), flow, run);
     if (!fibers) return passOn(fibers);
     out.fibers = std::move(*fibers);
   }

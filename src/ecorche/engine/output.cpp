@@ -56,7 +56,7 @@ Result<exchange::Report> writeBuild(const model::Project& project, const Build& 
   }
   exchange::Report report = makeReport(project, build, written, run);
   report.findings.insert(report.findings.end(), findings.begin(), findings.end());
-  for (const auto& stage : report.stages) report.totalSeconds += stage.seconds;
+  report.totalSeconds = run.seconds();
   if (auto saved = exchange::writeReport(staged->path() / "report.json", report); !saved)
     return passOn(saved);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped; nothing was written");

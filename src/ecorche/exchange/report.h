@@ -109,7 +109,7 @@ struct Report {
   std::vector<FaceReference> references;  ///< of the triangles in anatomy.mesh
   Findings findings;
   std::vector<RunContext::StageTime> stages;
-  double totalSeconds = 0.0;
+  double totalSeconds = 0.0;  ///< wall time from files to files; stages may hold stages
   std::int64_t peakMemoryBytes = 0;
   std::int64_t peakWorkerMemoryBytes = 0;
   MachineFigures machine;
