@@ -28,6 +28,12 @@ function(ecorche_add_module name)
   target_link_libraries(${target} PUBLIC ecorche_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
+# Sanitizers take ten times as long [s].
+set(ECORCHE_TEST_TIMEOUT 300)
+if(ECORCHE_SANITIZE)
+  set(ECORCHE_TEST_TIMEOUT 3600)
+endif()
+
 # ecorche_add_test(mesh SOURCES ... LIBS ...) makes the program test_mesh; each TEST_CASE is a test of ctest, run after
 # what FIXTURES names has been set up.
 function(ecorche_add_test name)
@@ -35,7 +41,7 @@ function(ecorche_add_test name)
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ecorche_options ecorche_test_support ${ARG_LIBS})
-  set(properties TIMEOUT 300 ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
+  set(properties TIMEOUT ${ECORCHE_TEST_TIMEOUT} ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
   if(ARG_FIXTURES)
     list(APPEND properties FIXTURES_REQUIRED ${ARG_FIXTURES})
   endif()
