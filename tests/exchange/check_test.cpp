@@ -99,7 +99,7 @@ TEST_CASE("a whole output passes every check, and the figures are those of the m
   const CheckReport report = checked(temp.path());
   INFO(exchange::checkTable(report.checks));
   CHECK(report.pass());
-  CHECK(report.checks.size() == 19);
+  CHECK(report.checks.size() == 20);
   CHECK_FALSE(exchange::failure(report, temp.path()));
   CHECK(report.tets == sample().shape.anatomy.mesh.T.rows());
   REQUIRE(report.tissues.size() == 3);
@@ -256,6 +256,20 @@ TEST_CASE("each corruption is caught by the check that is made for it") {
       }
     });
     CHECK(names == Names{"fibers-follow-curves"});
+  }
+  SECTION("fibres that meet inside the muscle") {
+    // Up in one layer of cells, down in the next
+    const Names names = failedAfter([](test::SampleOutput& s) {
+      for (Eigen::Index t = 0; t < s.fibers.tetFiber.rows(); ++t) {
+        if (s.fibers.tetFiber.row(t).isZero()) continue;
+        double z = 0.0;
+        for (int k = 0; k < 4; ++k)
+          z += 0.25 * s.shape.anatomy.mesh.V(s.shape.anatomy.mesh.T(t, k), 2);
+        const bool odd = static_cast<int>(z / 0.2 * 16) % 2 == 1;
+        s.fibers.tetFiber.row(t) << 0.0, 0.0, odd ? -1.0 : 1.0;
+      }
+    });
+    CHECK(has(names, "fibers-no-extrema"));
   }
   SECTION("a surface with a vertex moved by one bit") {
     CHECK(failedAfter([](test::SampleOutput& s) {

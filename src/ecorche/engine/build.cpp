@@ -110,10 +110,8 @@ Result<Build> build(const model::Project& project, const BuildOptions& options, 
   }
   {
     const Stage stage(run, "fibres");
-    fiber::FiberOptions flow;
-    // One muscle that its neighbours pinch off from an end must not cost the user the other forty:
-    // its fibres follow its curve, a finding names it
-    flow.speckShare = 2.0;
+    // One muscle that its neighbours pinch off from an end must not cost the user the other forty
+    const fiber::FiberOptions flow{.unendedPiece = fiber::UnendedPiece::FollowCurve};
     auto fibers =
         fiber::computeFibers(out.anatomy, domain, out.tissues, muscleEnds(project), flow, run);
     if (!fibers) return passOn(fibers);

@@ -43,6 +43,68 @@ void checkUnit(const CheckedFiles& files, Checks& checks) {
   checks.push_back(std::move(c));
 }
 
+// The flow rises along an edge where a tet's fibre at that edge points along it: directions alone
+// tell where it is higher, or lower, than at all neighbours. On a muscle's surface bumps have such
+// places by right.
+void checkExtrema(const CheckedFiles& files, Checks& checks) {
+  const AnatomyFile& a = *files.vtu;
+  constexpr std::uint8_t kRises = 1;
+  constexpr std::uint8_t kFalls = 2;
+  constexpr std::int32_t kNone = -1;
+  constexpr std::int32_t kSurface = -2;
+  const auto vertexCount = static_cast<std::size_t>(a.mesh.V.rows());
+  std::vector<std::int32_t> owner(vertexCount, kNone);  // of inner vertices their only tissue
+  std::vector<std::uint8_t> ways(vertexCount, 0);       // in which the flow goes away from it
+  for (Eigen::Index t = 0; t < a.mesh.T.rows(); ++t) {
+    const std::int32_t id = a.tissue[static_cast<std::size_t>(t)];
+    for (int k = 0; k < 4; ++k) {
+      const std::int32_t v = a.mesh.T(t, k);
+      std::int32_t& mine = owner[static_cast<std::size_t>(v)];
+      mine = mine == kNone || mine == id ? id : kSurface;
+      for (int n = 0; n < 4; ++n) {
+        if (n == k) continue;
+        const double rise = a.tetFiber.row(t).dot(a.mesh.V.row(a.mesh.T(t, n)) - a.mesh.V.row(v));
+        ways[static_cast<std::size_t>(v)] |= rise > 0.0 ? kRises : rise < 0.0 ? kFalls : 0;
+      }
+    }
+  }
+  for (Eigen::Index f = 0; f < files.boundary.F.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      owner[static_cast<std::size_t>(files.boundary.F(f, k))] = kSurface;
+    }
+  }
+
+  Check c{"fibers-no-extrema"};
+  c.limit = 0.005;
+  for (const TissueRecord& tissue : files.record.tissues) {
+    if (tissue.kind != "muscle" || static_cast<std::size_t>(tissue.id) >= files.tetsOf.size())
+      continue;
+    std::vector<std::int32_t> vertices;
+    for (const std::int32_t t : files.tetsOf[static_cast<std::size_t>(tissue.id)]) {
+      for (int k = 0; k < 4; ++k) vertices.push_back(a.mesh.T(t, k));
+    }
+    std::ranges::sort(vertices);
+    vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+    if (vertices.empty()) continue;
+    const auto extrema = std::ranges::count_if(vertices, [&](std::int32_t v) {
+      const auto i = static_cast<std::size_t>(v);
+      return owner[i] == tissue.id && (ways[i] == kRises || ways[i] == kFalls);
+    });
+    const double share = static_cast<double>(extrema) / static_cast<double>(vertices.size());
+    if (share > c.value) {
+      c.value = share;
+      c.object = tissue.name;
+    }
+  }
+  c.pass = c.value <= c.limit;
+  c.detail = c.value > 0.0 ? fmt::format(
+                                 "the flow has extrema inside \"{}\", at {:.2f} % of its "
+                                 "vertices, the largest share of all",
+                                 c.object, 100.0 * c.value)
+                           : "no flow begins or ends inside a muscle";
+  checks.push_back(std::move(c));
+}
+
 struct Worst {
   double value = 0.0;
   std::string object;
@@ -104,6 +166,7 @@ void checkFibers(const CheckedFiles& files, Checks& checks) {
   if (!files.vtu || files.vtu->tetFiber.rows() == 0) return;
   checkUnit(files, checks);
   checkDirections(files, checks);
+  checkExtrema(files, checks);
 }
 
 }  // namespace ecorche::exchange

@@ -40,7 +40,7 @@ void checkTets(const CheckedFiles& files, Checks& checks);
 [[nodiscard]] Result<void> checkMuscles(const CheckedFiles& files, CheckReport& report,
                                         RunContext& run);
 
-/// fibers-unit, fibers-follow-curves, fibers-origin-to-insertion
+/// fibers-unit, fibers-follow-curves, fibers-origin-to-insertion, fibers-no-extrema
 void checkFibers(const CheckedFiles& files, Checks& checks);
 
 /// skin-deviation, bone-deviation

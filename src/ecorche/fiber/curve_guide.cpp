@@ -24,6 +24,10 @@ CurveGuide::CurveGuide(const tissue::CurveTissue& tissue) {
       line.tangent.push_back(curve.spline.tangent(samples.u[k]));
       line.arc.push_back(curve.spline.lengthTo(samples.u[k]));
     }
+    for (std::size_t k = 0; k + 1 < line.point.size(); ++k) {
+      line.step.emplace_back(line.point[k + 1] - line.point[k]);
+      line.perStep.push_back(1.0 / line.step.back().squaredNorm());
+    }
     for (std::size_t first = 0; first + 1 < line.point.size(); first += kRun) {
       const std::size_t last = std::min(first + kRun, line.point.size() - 1);
       const Vector3 centre = 0.5 * (line.point[first] + line.point[last]);
@@ -38,27 +42,55 @@ CurveGuide::CurveGuide(const tissue::CurveTissue& tissue) {
   }
 }
 
-CurveGuide::Nearest CurveGuide::nearest(const Vector3& x) const {
-  Nearest best;
-  best.distance = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < lines_.size(); ++c) {
-    const Line& line = lines_[c];
-    for (std::size_t run = 0; run < line.ballCentre.size(); ++run) {
-      if ((x - line.ballCentre[run]).norm() - line.ballRadius[run] >= best.distance) continue;
-      const std::size_t last = std::min((run + 1) * kRun, line.point.size() - 1);
-      for (std::size_t k = run * kRun; k < last; ++k) {
-        const Vector3 d = line.point[k + 1] - line.point[k];
-        const double s = std::clamp((x - line.point[k]).dot(d) / d.squaredNorm(), 0.0, 1.0);
-        const double distance = (x - line.point[k] - s * d).norm();
-        if (distance >= best.distance) continue;
-        best.distance = distance;
-        best.curve = static_cast<std::int32_t>(c);
-        best.arc = (1.0 - s) * line.arc[k] + s * line.arc[k + 1];
-        best.tangent = ((1.0 - s) * line.tangent[k] + s * line.tangent[k + 1]).normalized();
-      }
+// The nearest point of one line, where it is nearer than `best`. Runs of segments in balls that are
+// too far are skipped, the ball with the nearest centre comes first.
+bool CurveGuide::Line::improve(const Vector3& x, Place& best) const {
+  std::size_t nearestRun = 0;
+  double nearestCentre = std::numeric_limits<double>::infinity();
+  for (std::size_t run = 0; run < ballCentre.size(); ++run) {
+    const double d = (x - ballCentre[run]).squaredNorm();
+    if (d < nearestCentre) {
+      nearestCentre = d;
+      nearestRun = run;
     }
   }
-  return best;
+  bool improved = false;
+  const auto visit = [&](std::size_t run) {
+    const double reach = std::sqrt(best.squared) + ballRadius[run];
+    if ((x - ballCentre[run]).squaredNorm() >= reach * reach) return;
+    const std::size_t last = std::min((run + 1) * kRun, point.size() - 1);
+    for (std::size_t k = run * kRun; k < last; ++k) {
+      const Vector3 off = x - point[k];
+      const double s = std::clamp(off.dot(step[k]) * perStep[k], 0.0, 1.0);
+      const double squared = (off - s * step[k]).squaredNorm();
+      if (squared >= best.squared) continue;
+      best = {squared, k, s};
+      improved = true;
+    }
+  };
+  visit(nearestRun);
+  for (std::size_t run = 0; run < ballCentre.size(); ++run) {
+    if (run != nearestRun) visit(run);
+  }
+  return improved;
+}
+
+CurveGuide::Nearest CurveGuide::nearest(const Vector3& x) const {
+  Place place;
+  std::size_t curve = 0;
+  for (std::size_t c = 0; c < lines_.size(); ++c) {
+    if (lines_[c].improve(x, place)) curve = c;
+  }
+  const Line& line = lines_[curve];
+  const auto [squared, k, s] = place;
+  return {static_cast<std::int32_t>(curve), (1.0 - s) * line.arc[k] + s * line.arc[k + 1],
+          std::sqrt(squared), ((1.0 - s) * line.tangent[k] + s * line.tangent[k + 1]).normalized()};
+}
+
+double CurveGuide::distance(std::int32_t curve, const Vector3& x) const {
+  Place place;
+  lines_[static_cast<std::size_t>(curve)].improve(x, place);
+  return std::sqrt(place.squared);
 }
 
 void CurveGuide::measureThickness(const MuscleMesh& muscle,
@@ -93,6 +125,7 @@ void CurveGuide::measureThickness(const MuscleMesh& muscle,
     }
     double mean = 0.0;
     for (const double a : area) mean += a / kBins;
+    line.flux = mean;
     line.radius.clear();
     for (const double a : area) {
       // A pinched stretch still has a tube to speak of
@@ -110,6 +143,7 @@ void CurveGuide::measureThickness(const MuscleMesh& muscle,
     for (double& r : line.radius) {
       if (!(r > 0.0)) r = fallback;
     }
+    if (!(line.flux > 0.0)) line.flux = total / length;
   }
 }
 
@@ -132,19 +166,8 @@ Vector3 CurveGuide::end(std::int32_t curve, bool insertion) const {
   return insertion ? line.point.back() : line.point.front();
 }
 
-Vector3 CurveGuide::tangentAtEnd(std::int32_t curve, bool insertion) const {
-  const Line& line = lines_[static_cast<std::size_t>(curve)];
-  return insertion ? line.tangent.back() : line.tangent.front();
-}
-
-double CurveGuide::slopeAtEnd(std::int32_t curve, bool insertion) const {
-  const Line& line = lines_[static_cast<std::size_t>(curve)];
-  double resistance = 0.0;  // ∫ ds / r²
-  for (const double r : line.radius) resistance += line.arc.back() / kBins / (r * r);
-  // Over the last eighth, as everything about ends
-  const double r = insertion ? 0.5 * (line.radius[kBins - 1] + line.radius[kBins - 2])
-                             : 0.5 * (line.radius[0] + line.radius[1]);
-  return 1.0 / (r * r * resistance);
+double CurveGuide::flux(std::int32_t curve) const {
+  return lines_[static_cast<std::size_t>(curve)].flux;
 }
 
 }  // namespace ecorche::fiber

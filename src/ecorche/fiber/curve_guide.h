@@ -3,6 +3,7 @@
 #include <ecorche/fiber/muscle_mesh.h>
 #include <ecorche/tissue/tissue.h>
 
+#include <limits>
 #include <vector>
 
 namespace ecorche::fiber {
@@ -29,18 +30,27 @@ class CurveGuide {
   [[nodiscard]] double length(std::int32_t curve) const;  ///< [m]
   [[nodiscard]] std::int32_t curveCount() const { return static_cast<std::int32_t>(lines_.size()); }
   [[nodiscard]] mesh::Vector3 end(std::int32_t curve, bool insertion) const;
-  [[nodiscard]] mesh::Vector3 tangentAtEnd(std::int32_t curve,
-                                           bool insertion) const;  ///< from origin to insertion
-  /// |∇u| at an end of a flow from 0 to 1 that fills the cross-sections: what passes is the same
-  /// everywhere [1/m].
-  [[nodiscard]] double slopeAtEnd(std::int32_t curve, bool insertion) const;
+  /// What flows through a curve's share of the muscle: its mean cross-section, volume over length,
+  /// so that the flow's density is about 1 everywhere [m²].
+  [[nodiscard]] double flux(std::int32_t curve) const;
+  [[nodiscard]] double distance(std::int32_t curve, const mesh::Vector3& x) const;  ///< [m]
 
  private:
+  /// A point of a line: segment, share of it, and the squared distance to it [m²].
+  struct Place {
+    double squared = std::numeric_limits<double>::infinity();
+    std::size_t segment = 0;
+    double share = 0.0;
+  };
   struct Line {
+    bool improve(const mesh::Vector3& x, Place& best) const;
     std::vector<mesh::Vector3> point;
+    std::vector<mesh::Vector3> step;  // per segment
+    std::vector<double> perStep;      // 1 / |step|²
     std::vector<double> arc;
     std::vector<mesh::Vector3> tangent;  // at points
     std::vector<double> radius;          // per bin of equal arc length
+    double flux = 0.0;
     // Balls about runs of segments, to skip runs that are too far
     std::vector<mesh::Vector3> ballCentre;
     std::vector<double> ballRadius;

@@ -123,54 +123,33 @@ void chooseTip(End& end, const MuscleMesh& muscle, const std::vector<Face>& face
   if (nearestDistance <= 2.0 * std::max(end.radius, size)) end.faces.push_back(nearestFace);
 }
 
-// Figures of the chosen faces, and the values that they hold.
-EndValues finishEnd(End& end, const MuscleMesh& muscle, const std::vector<Face>& faces,
-                    const CurveGuide& guide, const FiberOptions& options) {
-  Vector3 normal = Vector3::Zero();
-  for (const std::int32_t f : end.faces) {
-    const Face& face = faces[static_cast<std::size_t>(f)];
-    const auto& v = muscle.surface[static_cast<std::size_t>(f)].v;
-    const Vector3 a = muscle.mesh.V.row(v[0]).transpose();
-    normal +=
-        (muscle.mesh.V.row(v[1]).transpose() - a).cross(muscle.mesh.V.row(v[2]).transpose() - a);
-    end.figure.area += face.area;
-    end.figure.centroid += face.area * face.centroid;
-  }
-  if (end.figure.area > 0.0) {
-    end.figure.centroid /= end.figure.area;
-  } else {
-    end.figure.centroid = end.place;
-  }
-
-  // What of the curve's direction lies in the attachment's plane: nothing where it is met squarely
-  EndValues values;
-  values.role = end.insertion ? Role::Insertion : Role::Origin;
-  values.centre = end.figure.centroid;
-  if (normal.norm() > 0.0) {
-    normal.normalize();
-    const Vector3 t = guide.tangentAtEnd(end.curve, end.insertion);
-    values.slope =
-        options.slant * guide.slopeAtEnd(end.curve, end.insertion) * (t - t.dot(normal) * normal);
-  }
-  return values;
-}
-
-// Vertices of the chosen faces; one that several ends claim goes to the nearest.
-std::vector<std::int32_t> assignVertices(const std::vector<End>& ends, const MuscleMesh& muscle) {
-  std::vector<std::int32_t> endOf(muscle.vertexId.size(), -1);
-  std::vector<double> distance(muscle.vertexId.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t e = 0; e < ends.size(); ++e) {
-    for (const std::int32_t f : ends[e].faces) {
-      for (const std::int32_t v : muscle.surface[static_cast<std::size_t>(f)].v) {
-        const double d = (muscle.mesh.V.row(v).transpose() - ends[e].place).norm();
-        if (d < distance[static_cast<std::size_t>(v)]) {
-          distance[static_cast<std::size_t>(v)] = d;
-          endOf[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(e);
-        }
-      }
+// A face that an origin and an insertion claim goes to the nearer of the two places.
+void partRoles(std::vector<End>& ends, const std::vector<Face>& faces) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  std::vector<std::array<double, 2>> nearest(faces.size(), {kFar, kFar});
+  for (const End& end : ends) {
+    for (const std::int32_t f : end.faces) {
+      double& d = nearest[static_cast<std::size_t>(f)][end.insertion ? 1 : 0];
+      d = std::min(d, (faces[static_cast<std::size_t>(f)].centroid - end.place).norm());
     }
   }
-  return endOf;
+  for (End& end : ends) {
+    std::erase_if(end.faces, [&](std::int32_t f) {
+      const auto& d = nearest[static_cast<std::size_t>(f)];
+      return end.insertion ? d[0] < d[1] : d[1] <= d[0] && d[1] < kFar;
+    });
+  }
+}
+
+FiberEnd measureEnd(const End& end, const std::vector<Face>& faces) {
+  FiberEnd figure = end.figure;
+  for (const std::int32_t f : end.faces) {
+    const Face& face = faces[static_cast<std::size_t>(f)];
+    figure.area += face.area;
+    figure.centroid += face.area * face.centroid;
+  }
+  figure.centroid = figure.area > 0.0 ? Vector3(figure.centroid / figure.area) : end.place;
+  return figure;
 }
 
 Vector3 componentCentroid(const MuscleMesh& muscle, std::int32_t component) {
@@ -219,45 +198,63 @@ Result<SelectedEnds> selectEnds(const MuscleMesh& muscle, const CurveGuide& guid
     }
   }
 
-  out.end = assignVertices(chosen, muscle);
-  for (End& end : chosen) {
-    out.values.push_back(finishEnd(end, muscle, faces, guide, options));
-    (end.insertion ? out.insertions : out.origins).push_back(end.figure);
-  }
+  partRoles(chosen, faces);
 
   // Flow needs both ends in every piece
+  const auto componentOf = [&](std::int32_t face) {
+    const auto tet = static_cast<std::size_t>(muscle.surface[static_cast<std::size_t>(face)].tet);
+    return static_cast<std::size_t>(muscle.component[tet]);
+  };
   std::vector<std::array<bool, 2>> has(muscle.componentVolume.size(), {false, false});
-  for (Eigen::Index t = 0; t < muscle.mesh.T.rows(); ++t) {
-    for (int k = 0; k < 4; ++k) {
-      const Role r = out.role(static_cast<std::size_t>(muscle.mesh.T(t, k)));
-      if (r != Role::None)
-        has[static_cast<std::size_t>(muscle.component[static_cast<std::size_t>(t)])]
-           [r == Role::Insertion ? 1 : 0] = true;
+  for (const End& end : chosen) {
+    for (const std::int32_t f : end.faces) {
+      has[componentOf(f)][end.insertion ? 1 : 0] |= faces[static_cast<std::size_t>(f)].area > 0.0;
     }
   }
   const double total = muscle.volume.sum();
-  out.speck.assign(has.size(), 0);
+  out.unended.assign(has.size(), 0);
   for (std::size_t c = 0; c < has.size(); ++c) {
     if (has[c][0] && has[c][1]) continue;
+    out.unended[c] = 1;
     const double volume = muscle.componentVolume[c];
     const Vector3 centre = componentCentroid(muscle, static_cast<std::int32_t>(c));
-    if (volume >= options.speckShare * total) {
-      return fail(
-          ErrorCode::FiberWithoutEnds,
-          fmt::format("a piece of \"{}\" of {:.3g} cm³ ({:.1f} % of the muscle) has no {}: its "
-                      "neighbours pinch it off from its curve's end; raise the tissue value "
-                      "there or move the curve",
-                      tissue.name, volume * 1e6, 100.0 * volume / total,
-                      has[c][0]   ? "insertion"
-                      : has[c][1] ? "origin"
-                                  : "origin and no insertion"),
-          {.object = tissue.name, .point = centre});
+    if (volume < options.speckShare * total) {
+      out.findings.push_back(
+          {Severity::Note, "speck-without-ends", tissue.name,
+           fmt::format("a speck of \"{}\" lacks an end; its fibres follow the curve", tissue.name),
+           centre, volume});
+      continue;
     }
-    out.speck[c] = 1;
-    out.findings.push_back(
-        {Severity::Note, "speck-without-ends", tissue.name,
-         fmt::format("a speck of \"{}\" lacks an end; its fibres follow the curve", tissue.name),
-         centre, volume});
+    const std::string fault = fmt::format(
+        "a piece of \"{}\" of {:.3g} cm³ ({:.1f} % of the muscle) has no {}: its neighbours pinch "
+        "it off from its curve's end",
+        tissue.name, volume * 1e6, 100.0 * volume / total,
+        has[c][0]   ? "insertion"
+        : has[c][1] ? "origin"
+                    : "origin and no insertion");
+    constexpr const char* kRemedy = "raise the tissue value there or move the curve";
+    if (options.unendedPiece == UnendedPiece::Refuse) {
+      return fail(ErrorCode::FiberWithoutEnds, fmt::format("{}; {}", fault, kRemedy),
+                  {.object = tissue.name, .point = centre});
+    }
+    out.findings.push_back({Severity::Warning, "piece-without-ends", tissue.name,
+                            fmt::format("{}; its fibres follow the curve; {}", fault, kRemedy),
+                            centre, volume});
+  }
+
+  out.attached.assign(muscle.vertexId.size(), 0);
+  for (End& end : chosen) {
+    (end.insertion ? out.insertions : out.origins).push_back(measureEnd(end, faces));
+    for (const std::int32_t f : end.faces) {
+      for (const std::int32_t v : muscle.surface[static_cast<std::size_t>(f)].v) {
+        out.attached[static_cast<std::size_t>(v)] = 1;
+      }
+    }
+    std::erase_if(end.faces, [&](std::int32_t f) { return out.unended[componentOf(f)] != 0; });
+    FlowEnd flow{end.insertion ? Role::Insertion : Role::Origin, guide.flux(end.curve),
+                 std::move(end.faces), 0.0};
+    for (const std::int32_t f : flow.faces) flow.area += faces[static_cast<std::size_t>(f)].area;
+    out.flow.push_back(std::move(flow));
   }
   return out;
 }

@@ -4,38 +4,28 @@
 #include <ecorche/fiber/fiber_field.h>
 #include <ecorche/fiber/muscle_mesh.h>
 
-#include <algorithm>
 #include <vector>
 
 namespace ecorche::fiber {
 
-enum class Role : std::uint8_t { None, Origin, Insertion };
+enum class Role : std::uint8_t { Origin, Insertion };
 
-/// What the flow's value is on one end of one curve: base + slope · (x − centre), within kMostTilt
-/// of the base.
-struct EndValues {
-  Role role = Role::None;
-  mesh::Vector3 centre = mesh::Vector3::Zero();  ///< of the faces [m]
-  mesh::Vector3 slope = mesh::Vector3::Zero();   ///< along the faces' mean plane [1/m]
-
-  static constexpr double kMostTilt = 0.25;
-  [[nodiscard]] double at(const mesh::Vector3& x) const {
-    return (role == Role::Insertion ? 1.0 : 0.0) +
-           std::clamp(slope.dot(x - centre), -kMostTilt, kMostTilt);
-  }
+/// One end of one curve: what flows in (origin) or out (insertion) through its faces, evenly by
+/// area.
+struct FlowEnd {
+  Role role = Role::Origin;
+  double flux = 0.0;                ///< of its curve, not negative [m²]
+  std::vector<std::int32_t> faces;  ///< places in MuscleMesh::surface, none on unended pieces
+  double area = 0.0;                ///< of these faces [m²]
 };
 
-/// Which vertices hold the flow's values.
+/// Where the flow enters and leaves.
 struct SelectedEnds {
-  std::vector<EndValues> values;  ///< origin and insertion of every curve, by turns
-  std::vector<std::int32_t> end;  ///< #V of the muscle: place in values, -1 where the flow is free
-  [[nodiscard]] Role role(std::size_t vertex) const {
-    return end[vertex] < 0 ? Role::None : values[static_cast<std::size_t>(end[vertex])].role;
-  }
-  std::vector<FiberEnd> origins;     ///< per curve
-  std::vector<FiberEnd> insertions;  ///< per curve
-  std::vector<std::uint8_t>
-      speck;  ///< per component: 1 where it lacks an end and is too small to matter
+  std::vector<FlowEnd> flow;           ///< origin and insertion of every curve, by turns
+  std::vector<std::uint8_t> attached;  ///< #V of the muscle: 1 on faces of an end
+  std::vector<FiberEnd> origins;       ///< per curve
+  std::vector<FiberEnd> insertions;    ///< per curve
+  std::vector<std::uint8_t> unended;   ///< per component: 1 where it lacks an end: nothing flows
   Findings findings;
 };
 
@@ -43,10 +33,7 @@ struct SelectedEnds {
 /// farther along the curve than FiberOptions::attachmentReachRel and no farther in space than
 /// attachmentRadiusRel local radii, or about one of the end's sites. A free end, or one that its
 /// bone does not reach, uses the muscle's tip beyond the curve's end.
-///
-/// On an attachment that the curve meets at a slant the flow's values tilt: their slope along the
-/// attachment is that of a flow along the curve, strong as the muscle's thickness makes it there.
-/// Squarely met, they are 0 or 1.
+/// Ends may share faces; a face that an origin and an insertion claim goes to the nearer end.
 /// @errors FiberWithoutEnds
 [[nodiscard]] Result<SelectedEnds> selectEnds(const MuscleMesh& muscle, const CurveGuide& guide,
                                               const std::vector<domain::BoundaryTag>& boundaryTag,

@@ -48,7 +48,7 @@ std::vector<std::uint8_t> normaliseAndSpread(MuscleResult& r, const FlowPotentia
   for (Eigen::Index t = 0; t < tetCount; ++t) {
     const auto i = static_cast<std::size_t>(t);
     const double norm = flow.gradient.row(t).norm();
-    if (ends.speck[static_cast<std::size_t>(m.component[i])]) {
+    if (ends.unended[static_cast<std::size_t>(m.component[i])]) {
       r.tetFiber.row(t) = nearest[i].tangent.transpose();
       lent[i] = 1;
     } else if (norm > least) {
@@ -118,11 +118,11 @@ std::int64_t countInteriorExtrema(const MuscleMesh& m, const Eigen::VectorXd& u,
   std::vector<double> highest(m.vertexId.size(), -std::numeric_limits<double>::infinity());
   std::vector<std::uint8_t> counts(m.vertexId.size(), 0);
   for (Eigen::Index t = 0; t < m.mesh.T.rows(); ++t) {
-    const bool speck =
-        ends.speck[static_cast<std::size_t>(m.component[static_cast<std::size_t>(t)])];
+    const bool unended =
+        ends.unended[static_cast<std::size_t>(m.component[static_cast<std::size_t>(t)])];
     for (int a = 0; a < 4; ++a) {
       const auto v = static_cast<std::size_t>(m.mesh.T(t, a));
-      counts[v] = !speck && ends.end[v] < 0;
+      counts[v] = !unended && !ends.attached[v];
       for (int b = 0; b < 4; ++b) {
         if (a == b) continue;
         lowest[v] = std::min(lowest[v], u[m.mesh.T(t, b)]);
@@ -155,13 +155,14 @@ void measureAngles(MuscleResult& r, const tissue::CurveTissue& tissue) {
     r.figures.angleToCurveDeg = sum / static_cast<double>(r.figures.curveTets);
 }
 
-void traceLengths(MuscleResult& r, const FlowPotential& flow, const SelectedEnds& ends,
+void traceLengths(MuscleResult& r, const Eigen::VectorXd& progress, const SelectedEnds& ends,
                   const CurveGuide& guide, const FiberOptions& options) {
   if (options.tracedCount <= 0) return;
   double length = 0.0;
   for (std::int32_t c = 0; c < guide.curveCount(); ++c) length = std::max(length, guide.length(c));
-  TracedFibers traced = traceFibers(r.muscle, flow.u, r.vertexFiber, ends.end, options.tracedCount,
-                                    length / 100, options.tendonShare.value_or(0.0));
+  TracedFibers traced =
+      traceFibers(r.muscle, progress, r.vertexFiber, ends.attached, options.tracedCount,
+                  length / 100, options.tendonShare.value_or(0.0));
   const auto count = static_cast<double>(traced.length.size());
   if (traced.length.empty()) return;
   for (const double l : traced.length) r.figures.fiberLength += l / count;
@@ -196,12 +197,15 @@ Result<MuscleResult> computeMuscle(const envelope::Anatomy& anatomy, const domai
 
   const std::vector<std::uint8_t> lent = normaliseAndSpread(r, *flow, *ends, guide, nearest);
   averageAtVertices(r);
+  const Eigen::VectorXd progress = progressAlongHeads(m, *ends, guide, flow->u);
   r.flow.resize(m.tetId.size());
   double lentVolume = 0.0;
   for (std::size_t t = 0; t < r.flow.size(); ++t) {
     double sum = 0.0;
-    for (int k = 0; k < 4; ++k) sum += flow->u[m.mesh.T(static_cast<Eigen::Index>(t), k)];
-    r.flow[t] = 0.25 * sum;
+    for (int k = 0; k < 4; ++k) sum += progress[m.mesh.T(static_cast<Eigen::Index>(t), k)];
+    // Where nothing flows, arc length tells
+    const bool unended = ends->unended[static_cast<std::size_t>(m.component[t])];
+    r.flow[t] = unended ? nearest[t].arc / guide.length(nearest[t].curve) : 0.25 * sum;
     r.figures.spreadTets += lent[t];
     if (lent[t]) lentVolume += m.volume[static_cast<Eigen::Index>(t)];
   }
@@ -210,7 +214,7 @@ Result<MuscleResult> computeMuscle(const envelope::Anatomy& anatomy, const domai
   r.figures.insertions = ends->insertions;
   r.figures.interiorExtrema = countInteriorExtrema(m, flow->u, *ends);
   measureAngles(r, tissue);
-  traceLengths(r, *flow, *ends, guide, options);
+  traceLengths(r, progress, *ends, guide, options);
 
   r.findings = std::move(ends->findings);
   if (r.figures.spreadTets > 0) {
@@ -259,6 +263,7 @@ Result<FiberField> computeFibers(const envelope::Anatomy& anatomy, const domain:
   const Stage stage(run, "fibres");
 
   const auto tets = tetsByTissue(anatomy);
+  const auto placeInTissue = placesInTissue(tets, anatomy.label.size());
   const auto boundaryOf = boundaryOfSlot(anatomy);
   std::vector<std::size_t> muscles;
   for (std::size_t i = 0; i < tissues.size(); ++i) {
@@ -274,10 +279,11 @@ Result<FiberField> computeFibers(const envelope::Anatomy& anatomy, const domain:
         if (run.cancelled()) return;
         const std::size_t i = muscles[static_cast<std::size_t>(k)];
         const TissueId id{kFirstMuscle.value + static_cast<std::int64_t>(i)};
-        results[static_cast<std::size_t>(k)] = computeMuscle(
-            anatomy, domain, tissues[i], ends[i],
-            extractMuscle(anatomy, id, tets[static_cast<std::size_t>(id.value)], boundaryOf),
-            options);
+        results[static_cast<std::size_t>(k)] =
+            computeMuscle(anatomy, domain, tissues[i], ends[i],
+                          extractMuscle(anatomy, id, tets[static_cast<std::size_t>(id.value)],
+                                        placeInTissue, boundaryOf),
+                          options);
         run.progress("fibres", static_cast<double>(++done) / static_cast<double>(muscles.size()));
       },
       1);

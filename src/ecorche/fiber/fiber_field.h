@@ -33,13 +33,13 @@ struct CurveEnds {
 /// Ends of one tissue, one pair per curve, in the order of CurveTissue::curves. Empty for fillers.
 using MuscleEnds = std::vector<CurveEnds>;
 
-/// What the unknowns of the flow live on.
-enum class FlowElements : std::uint8_t {
-  /// The domain's tets, each with the muscle's volume inside: well shaped however the envelope cuts
-  /// them.
-  DomainTets,
-  /// The anatomy's own tets, for comparison: their slivers have gradients of any direction.
-  AnatomyTets,
+/// What becomes of a piece of a muscle that no origin or no insertion touches, because its
+/// neighbours pinch it off. Specks (FiberOptions::speckShare) follow their curve in any case.
+enum class UnendedPiece : std::uint8_t {
+  /// FiberWithoutEnds: nothing flows through such a piece.
+  Refuse,
+  /// Its fibres follow the nearest curve; a warning `piece-without-ends` names muscle and place.
+  FollowCurve,
 };
 
 /// Lengths are shares of the muscle's own thickness, so that neither mesh nor unit matters.
@@ -52,19 +52,15 @@ struct FiberOptions {
   double attachmentReachRel = 1.0;
   /// How far an attachment reaches in space from the curve's end, over the local radius [unitless].
   double attachmentRadiusRel = 4.0;
-  /// How much the flow's values on an attachment tilt with a curve that meets it at a slant, so
-  /// that fibres leave along the curve and not squarely. 0: an attachment has one value, as in the
-  /// paper; 1: as much as the flow that the muscle's thickness suggests, an estimate [unitless].
-  double slant = 0.75;
   /// First and last share of the flow that is tendon, each in (0, 0.5). Unset: no tendon
   /// [unitless].
   std::optional<double> tendonShare;
   /// Fibres traced per muscle for its fibre length and for pictures. 0: none.
   int tracedCount = 100;
-  /// Components with less than this share of the muscle's volume may lack an end; their fibres
-  /// follow the curve.
+  /// Pieces with less than this share of the muscle's volume are specks: they may lack an end,
+  /// their fibres follow the curve, a note says so [unitless].
   double speckShare = 0.01;
-  FlowElements elements = FlowElements::DomainTets;
+  UnendedPiece unendedPiece = UnendedPiece::Refuse;
 };
 
 /// Where fibres of one muscle begin or stop.
@@ -102,29 +98,30 @@ struct FiberField {
   mesh::Directions tetFiber;     ///< #T×3 of the anatomy; zero in fat and fillers
   mesh::Directions vertexFiber;  ///< #V×3; on an interface that of the muscle with more volume
                                  ///< around; zero off muscles
-  std::vector<double> flow;  ///< #T u at the centroid, 0 origin … 1 insertion; NaN off muscles
+  std::vector<double> flow;      ///< #T how far along its head, 0 about the origin … 1 about the
+                                 ///< insertion, at the centroid; NaN off muscles
   std::vector<std::uint8_t> tendon;   ///< #T 1: tendon. Empty without FiberOptions::tendonShare
   std::vector<MuscleFibers> muscles;  ///< every tissue that is no filler and has tets, by id
-  Findings findings;                  ///< directions spread, ends not reached, specks without ends
+  Findings findings;                  ///< directions spread, ends not reached, pieces without ends
 };
 
 /// Directions of the flow that runs through every muscle from its origins to its insertions.
 ///
-/// Minimises ∫|∇u|² + γ ∫ φ |N∇u|² over the muscle, N the normal plane of the nearest curve and φ a
-/// tube about it [ABLSJ21 §4.4, integrals in place of the paper's sums over tets], u = 0 on the
-/// union of the heads' origins, 1 on the union of their insertions, natural elsewhere. Solved on
-/// the domain's tets, each with the volume that the muscle has in it: the skinny tets of the
-/// subdivision carry directions but no unknowns.
+/// Minimises ½ ∫|∇u|² + ½ γ ∫ φ |N∇u|² − ∫ q u over the muscle, N the normal plane of the nearest
+/// curve and φ a tube about it [ABLSJ21 §4.4, integrals in place of the paper's sums over tets].
+/// Every head lets in as much as its mean cross-section, evenly over its origin (q < 0), and out
+/// over its insertion (q > 0); the rest of the surface is closed. The paper holds u = 0 and 1 there
+/// instead, see docs/algorithms/fibers.md. Solved on the domain's tets, each with the volume that
+/// the muscle has in it: the skinny tets of the subdivision carry directions but no unknowns.
 ///
 /// @param anatomy  labelled tets [m]
 /// @param domain   what the anatomy was cut from
 /// @param tissues  muscles and fillers; id = kFirstMuscle + place
 /// @param ends     per tissue, per curve; sizes as `tissues` (ContractError otherwise)
 /// @return  unit directions in every tet and at every vertex of every muscle; turned with the
-/// model, unchanged when
-///          it is scaled; the same bytes for any number of threads.
-/// @errors  FiberWithoutEnds (a component that no origin or no insertion touches), SystemSingular,
-/// Cancelled
+/// model, unchanged when it is scaled; the same bytes for any number of threads.
+/// @errors  FiberWithoutEnds (a piece that no origin or no insertion touches, unless it is to
+/// follow its curve), SystemSingular, Cancelled
 [[nodiscard]] Result<FiberField> computeFibers(const envelope::Anatomy& anatomy,
                                                const domain::Domain& domain,
                                                const std::vector<tissue::CurveTissue>& tissues,

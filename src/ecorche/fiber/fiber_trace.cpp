@@ -65,8 +65,8 @@ std::vector<Seed> placeSeeds(const MuscleMesh& m, const Eigen::VectorXd& u, int 
 class Walker {
  public:
   Walker(const MuscleMesh& muscle, const Eigen::VectorXd& u, const mesh::Directions& fiber,
-         const std::vector<std::int32_t>& end)
-      : m_(muscle), u_(u), fiber_(fiber), end_(end) {}
+         const std::vector<std::uint8_t>& attached)
+      : m_(muscle), u_(u), fiber_(fiber), attached_(attached) {}
 
   void place(std::int32_t tet, const Vector3& x) {
     tet_ = tet;
@@ -143,7 +143,7 @@ class Walker {
 
   [[nodiscard]] bool isEnd(int corner) const {
     for (const int c : mesh::kTetFace[corner]) {
-      if (end_[static_cast<std::size_t>(m_.mesh.T(tet_, c))] < 0) return false;
+      if (!attached_[static_cast<std::size_t>(m_.mesh.T(tet_, c))]) return false;
     }
     return true;
   }
@@ -167,7 +167,7 @@ class Walker {
   const MuscleMesh& m_;
   const Eigen::VectorXd& u_;
   const mesh::Directions& fiber_;
-  const std::vector<std::int32_t>& end_;
+  const std::vector<std::uint8_t>& attached_;
   std::int32_t tet_ = -1;
   Vector3 x_ = Vector3::Zero();
   int exitCorner_ = 0;
@@ -209,15 +209,16 @@ double lengthOf(const std::vector<Vector3>& line) {
 }  // namespace
 
 TracedFibers traceFibers(const MuscleMesh& muscle, const Eigen::VectorXd& u,
-                         const mesh::Directions& vertexFiber, const std::vector<std::int32_t>& end,
-                         int count, double step, double share) {
+                         const mesh::Directions& vertexFiber,
+                         const std::vector<std::uint8_t>& attached, int count, double step,
+                         double share) {
   TracedFibers out;
   // Values on a slanted attachment spread about 0 and 1: without tendon only its faces tell where a
   // fibre ends
   constexpr double kNever = 10.0;
   const double first = share > 0.0 ? share : -kNever;
   const double last = share > 0.0 ? 1.0 - share : kNever;
-  const Walker walker(muscle, u, vertexFiber, end);
+  const Walker walker(muscle, u, vertexFiber, attached);
   for (const Seed& seed : placeSeeds(muscle, u, count)) {
     const auto back = follow(walker, seed, -1.0, step, first);
     const auto on = follow(walker, seed, 1.0, step, last);

@@ -19,11 +19,11 @@ struct TracedFibers {
 ///
 /// @param u       flow at the vertices
 /// @param vertexFiber  #V×3 unit directions
-/// @param end     #V, not negative on vertices of attachments
+/// @param attached  #V, not zero on vertices of attachments
 /// @param step    distance between points [m]
 [[nodiscard]] TracedFibers traceFibers(const MuscleMesh& muscle, const Eigen::VectorXd& u,
                                        const mesh::Directions& vertexFiber,
-                                       const std::vector<std::int32_t>& end, int count, double step,
-                                       double share);
+                                       const std::vector<std::uint8_t>& attached, int count,
+                                       double step, double share);
 
 }  // namespace ecorche::fiber

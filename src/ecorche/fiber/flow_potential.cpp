@@ -14,13 +14,14 @@ using mesh::Vector3;
 
 namespace {
 
-// A finite element problem: nodes, tets between them with the volume that counts, and what is held.
+// A finite element problem: nodes, tets between them with the volume that counts, and what flows in
+// and out.
 struct Problem {
   mesh::TetMesh mesh;                   // of elements
   std::vector<double> volume;           // that the muscle has in each element
   std::vector<Eigen::Matrix3d> tensor;  // mean over that volume
-  std::vector<Role> held;               // per node
-  std::vector<double> value;            // per node, where it is held
+  std::vector<double> inflow;           // per node, not negative
+  std::vector<double> outflow;          // per node, not negative
 };
 
 // I + γ φ (I − t tᵀ): moving potential across the tube is cheap to equalise, so the gradient turns
@@ -33,10 +34,9 @@ Eigen::Matrix3d tensorAt(const CurveGuide::Nearest& n, const CurveGuide& guide,
   return I + options.curveWeight * phi * (I - n.tangent * n.tangent.transpose());
 }
 
-// Elements without both ends would make the system singular: every connected group of elements must
-// hold both.
-bool everyGroupHeld(const Problem& p) {
-  std::vector<std::int32_t> parent(static_cast<std::size_t>(p.mesh.V.rows()));
+// The piece of connected elements that each node belongs to, pieces numbered by their first node.
+std::vector<std::int32_t> pieceOfNode(const mesh::TetMesh& elements) {
+  std::vector<std::int32_t> parent(static_cast<std::size_t>(elements.V.rows()));
   std::iota(parent.begin(), parent.end(), 0);
   const auto find = [&](std::int32_t v) {
     while (parent[static_cast<std::size_t>(v)] != v) {
@@ -46,49 +46,55 @@ bool everyGroupHeld(const Problem& p) {
     }
     return v;
   };
-  for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t) {
-    for (int k = 1; k < 4; ++k)
-      parent[static_cast<std::size_t>(find(p.mesh.T(t, k)))] = find(p.mesh.T(t, 0));
+  for (Eigen::Index t = 0; t < elements.T.rows(); ++t) {
+    for (int k = 1; k < 4; ++k) {
+      const std::int32_t a = find(elements.T(t, 0));
+      const std::int32_t b = find(elements.T(t, k));
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
   }
-  std::vector<std::array<bool, 2>> has(parent.size(), {false, false});
+  // Roots are the least of their piece: they come first
+  std::vector<std::int32_t> piece(parent.size());
+  std::int32_t count = 0;
   for (std::size_t v = 0; v < parent.size(); ++v) {
-    if (p.held[v] == Role::None) continue;
-    has[static_cast<std::size_t>(find(static_cast<std::int32_t>(v)))]
-       [p.held[v] == Role::Insertion ? 1 : 0] = true;
+    const std::int32_t root = find(static_cast<std::int32_t>(v));
+    piece[v] =
+        root == static_cast<std::int32_t>(v) ? count++ : piece[static_cast<std::size_t>(root)];
   }
-  for (std::size_t v = 0; v < parent.size(); ++v) {
-    const auto& h = has[static_cast<std::size_t>(find(static_cast<std::int32_t>(v)))];
-    if (!h[0] || !h[1]) return false;
-  }
-  return true;
+  return piece;
 }
 
-// Minimises Σ V ∇uᵀ A ∇u with the held nodes at their values.
+// Minimises ½ Σ V ∇uᵀ A ∇u − Σ (inflow − outflow) u, what leaves a piece made as much as what
+// enters. The level of every piece is free: inflow's mean of u is 0, outflow's 1.
 Result<Eigen::VectorXd> solve(const Problem& p, const std::string& name) {
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.held.size()));
-  std::vector<std::uint8_t> fixed(p.held.size());
-  for (std::size_t v = 0; v < p.held.size(); ++v) {
-    fixed[v] = p.held[v] != Role::None;
-    if (fixed[v]) u[static_cast<Eigen::Index>(v)] = p.value[v];
+  const auto nodeCount = p.inflow.size();
+  if (nodeCount == 0) return Eigen::VectorXd();  // nothing but unended pieces
+  const std::vector<std::int32_t> piece = pieceOfNode(p.mesh);
+  const auto pieceCount = static_cast<std::size_t>(*std::ranges::max_element(piece)) + 1;
+  std::vector<double> in(pieceCount, 0.0);
+  std::vector<double> out(pieceCount, 0.0);
+  std::vector<std::uint8_t> fixed(nodeCount, 0);  // the first node of every piece
+  for (std::size_t v = 0, next = 0; v < nodeCount; ++v) {
+    const auto i = static_cast<std::size_t>(piece[v]);
+    if (i == next) fixed[v] = ++next > 0;
+    in[i] += p.inflow[v];
+    out[i] += p.outflow[v];
   }
+  for (std::size_t i = 0; i < pieceCount; ++i) EC_REQUIRE(in[i] > 0.0 && out[i] > 0.0);
   const mesh::StiffnessPattern pattern = mesh::stiffnessPattern(p.mesh, fixed);
-  if (pattern.rowCount() == 0) return u;
 
   // Each element counts with the share of it that is muscle
   mesh::EdgeStiffness K = mesh::edgeStiffness(p.mesh, p.tensor);
-  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(pattern.rowCount(), 1);
   for (Eigen::Index t = 0; t < p.mesh.T.rows(); ++t) {
-    auto& k = K.k[static_cast<std::size_t>(t)];
     const double share = p.volume[static_cast<std::size_t>(t)] / mesh::signedVolume(p.mesh, t);
-    for (std::size_t e = 0; e < 6; ++e) {
-      k[e] *= share;
-      const std::int32_t a = p.mesh.T(t, mesh::kTetEdge[e][0]);
-      const std::int32_t b = p.mesh.T(t, mesh::kTetEdge[e][1]);
-      const std::int32_t rowA = pattern.row[static_cast<std::size_t>(a)];
-      const std::int32_t rowB = pattern.row[static_cast<std::size_t>(b)];
-      if (rowA >= 0 && rowB < 0) x(rowA, 0) -= k[e] * u[b];
-      if (rowB >= 0 && rowA < 0) x(rowB, 0) -= k[e] * u[a];
-    }
+    for (double& k : K.k[static_cast<std::size_t>(t)]) k *= share;
+  }
+  Eigen::MatrixXd x(pattern.rowCount(), 1);
+  for (std::int32_t r = 0; r < pattern.rowCount(); ++r) {
+    const auto v = static_cast<std::size_t>(pattern.vertex[static_cast<std::size_t>(r)]);
+    const auto i = static_cast<std::size_t>(piece[v]);
+    // u grows from origin to insertion: the flow goes up, not down
+    x(r, 0) = p.outflow[v] * (in[i] / out[i]) - p.inflow[v];
   }
 
   // Muscles are solved beside one another: each with one thread, in an order that does not depend
@@ -104,36 +110,56 @@ Result<Eigen::VectorXd> solve(const Problem& p, const std::string& name) {
                     name),
         {.object = name});
   }
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodeCount));
   for (std::int32_t r = 0; r < pattern.rowCount(); ++r)
     u[pattern.vertex[static_cast<std::size_t>(r)]] = x(r, 0);
+
+  std::vector<double> first(pieceCount, 0.0);
+  std::vector<double> last(pieceCount, 0.0);
+  for (std::size_t v = 0; v < nodeCount; ++v) {
+    const auto i = static_cast<std::size_t>(piece[v]);
+    first[i] += p.inflow[v] / in[i] * u[static_cast<Eigen::Index>(v)];
+    last[i] += p.outflow[v] / out[i] * u[static_cast<Eigen::Index>(v)];
+  }
+  for (std::size_t v = 0; v < nodeCount; ++v) {
+    const auto i = static_cast<std::size_t>(piece[v]);
+    double& value = u[static_cast<Eigen::Index>(v)];
+    // The difference is the flow's energy over what flows: positive, unless all of it leaves where
+    // it enters
+    const double rise = last[i] - first[i];
+    value = (value - first[i]) / (rise > 0.0 ? rise : 1.0);
+  }
   return u;
 }
 
-// Tets of specks carry no flow.
+// Unended pieces carry no flow.
 bool flows(const MuscleMesh& muscle, const SelectedEnds& ends, Eigen::Index t) {
-  return !ends.speck[static_cast<std::size_t>(muscle.component[static_cast<std::size_t>(t)])];
+  return !ends.unended[static_cast<std::size_t>(muscle.component[static_cast<std::size_t>(t)])];
 }
 
-// Nodes and elements with both numberings, and which element every tet of the muscle lies in.
+// Tets and vertices of the domain with both numberings, and which element every tet of the muscle
+// lies in.
 struct Discretised {
   Problem problem;
-  std::vector<std::int32_t> nodeId;   // node → domain or muscle vertex, ascending
-  std::vector<std::int32_t> element;  // per muscle tet, -1 in specks
+  std::vector<std::int32_t> nodeId;   // node → domain vertex, ascending
+  std::vector<std::int32_t> element;  // per muscle tet, -1 in unended pieces
 
   [[nodiscard]] std::int32_t node(std::int32_t id) const {
     const auto at = std::ranges::lower_bound(nodeId, id);
     return at != nodeId.end() && *at == id ? static_cast<std::int32_t>(at - nodeId.begin()) : -1;
   }
-  void hold(std::int32_t n, const EndValues& values) {
-    problem.held[static_cast<std::size_t>(n)] = values.role;
-    problem.value[static_cast<std::size_t>(n)] = values.at(problem.mesh.V.row(n).transpose());
-  }
 };
 
-Discretised discretise(const MuscleMesh& muscle, const SelectedEnds& ends, const CurveGuide& guide,
+Discretised discretise(const MuscleMesh& muscle, const envelope::Anatomy& anatomy,
+                       const domain::Domain& domain, const SelectedEnds& ends,
+                       const CurveGuide& guide,
                        const std::vector<CurveGuide::Nearest>& nearestOfTet,
-                       const FiberOptions& options, const mesh::TetMesh& whole,
-                       const std::vector<std::int32_t>& elementId) {
+                       const FiberOptions& options) {
+  const mesh::TetMesh& whole = domain.mesh;
+  std::vector<std::int32_t> elementId(muscle.tetId.size());
+  for (std::size_t t = 0; t < elementId.size(); ++t) {
+    elementId[t] = anatomy.parentTet[static_cast<std::size_t>(muscle.tetId[t])];
+  }
   // Elements that hold some of the muscle, each once
   std::vector<std::int32_t> used;
   for (std::size_t t = 0; t < elementId.size(); ++t) {
@@ -183,44 +209,50 @@ Discretised discretise(const MuscleMesh& muscle, const SelectedEnds& ends, const
     const double least = 1e-12 * mesh::signedVolume(p.mesh, static_cast<Eigen::Index>(e));
     p.volume[e] = std::max(p.volume[e], least);
   }
-  p.held.assign(d.nodeId.size(), Role::None);
-  p.value.assign(d.nodeId.size(), 0.0);
+  p.inflow.assign(d.nodeId.size(), 0.0);
+  p.outflow.assign(d.nodeId.size(), 0.0);
   return d;
 }
 
-// The domain's vertices that hold the value of an end: the end's own, and corners outside the
-// muscle of the edges and faces that its new vertices lie on. With `all`, every such corner.
-void holdDomainNodes(Discretised& d, const MuscleMesh& muscle, const envelope::Anatomy& anatomy,
-                     const SelectedEnds& ends, std::int32_t domainVertexCount, bool all) {
-  const auto localVertex = [&](std::int32_t id) {
-    const auto at = std::ranges::lower_bound(muscle.vertexId, id);
-    return at != muscle.vertexId.end() && *at == id ? at - muscle.vertexId.begin() : -1;
-  };
-  for (std::size_t v = 0; v < muscle.vertexId.size(); ++v) {
-    if (ends.end[v] < 0) continue;
-    const EndValues& values = ends.values[static_cast<std::size_t>(ends.end[v])];
-    const std::int32_t id = muscle.vertexId[v];
-    if (id < domainVertexCount) {
-      const std::int32_t node = d.node(id);
-      if (node >= 0) d.hold(node, values);
-      continue;
-    }
-    const auto& origin = anatomy.origin[static_cast<std::size_t>(id - domainVertexCount)];
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (origin.corner[k] < 0) continue;
-      const std::int32_t node = d.node(origin.corner[k]);
-      if (node < 0) continue;
-      const bool outside = localVertex(origin.corner[k]) < 0;
-      const bool free = d.problem.held[static_cast<std::size_t>(node)] == Role::None;
-      if ((outside || all) && free) d.hold(node, values);
+// A vertex of the muscle as a mean of nodes.
+struct NodeWeights {
+  std::array<std::int32_t, 4> node{-1, -1, -1, -1};
+  std::array<double, 4> weight{0.0, 0.0, 0.0, 0.0};
+};
+
+// Through every face of an end flows its share by area, a third at each corner.
+void applyEnds(Problem& p, const MuscleMesh& muscle, const SelectedEnds& ends,
+               const std::vector<NodeWeights>& nodes) {
+  for (const FlowEnd& end : ends.flow) {
+    std::vector<double>& into = end.role == Role::Origin ? p.inflow : p.outflow;
+    for (const std::int32_t f : end.faces) {
+      const auto& v = muscle.surface[static_cast<std::size_t>(f)].v;
+      const Vector3 a = muscle.mesh.V.row(v[0]).transpose();
+      const double area = 0.5 * (muscle.mesh.V.row(v[1]).transpose() - a)
+                                    .cross(muscle.mesh.V.row(v[2]).transpose() - a)
+                                    .norm();
+      for (const std::int32_t corner : v) {
+        const NodeWeights& n = nodes[static_cast<std::size_t>(corner)];
+        for (std::size_t k = 0; k < 4; ++k) {
+          if (n.node[k] < 0) continue;
+          into[static_cast<std::size_t>(n.node[k])] +=
+              n.weight[k] * end.flux * area / end.area / 3.0;
+        }
+      }
     }
   }
 }
 
 FlowPotential spreadToTets(const Discretised& d, const Eigen::VectorXd& nodeU,
-                           Eigen::VectorXd vertexU) {
+                           const std::vector<NodeWeights>& nodes) {
   FlowPotential flow;
-  flow.u = std::move(vertexU);
+  flow.u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t v = 0; v < nodes.size(); ++v) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (nodes[v].node[k] < 0) continue;
+      flow.u[static_cast<Eigen::Index>(v)] += nodes[v].weight[k] * nodeU[nodes[v].node[k]];
+    }
+  }
   std::vector<Vector3> gradient(static_cast<std::size_t>(d.problem.mesh.T.rows()));
   for (Eigen::Index e = 0; e < d.problem.mesh.T.rows(); ++e) {
     Eigen::Vector4d corners;
@@ -240,69 +272,24 @@ FlowPotential spreadToTets(const Discretised& d, const Eigen::VectorXd& nodeU,
   return flow;
 }
 
-Result<FlowPotential> solveOnDomainTets(const MuscleMesh& muscle, const envelope::Anatomy& anatomy,
-                                        const domain::Domain& domain, const SelectedEnds& ends,
-                                        const CurveGuide& guide,
-                                        const std::vector<CurveGuide::Nearest>& nearestOfTet,
-                                        const FiberOptions& options, const std::string& name) {
-  std::vector<std::int32_t> parent(muscle.tetId.size());
-  for (std::size_t t = 0; t < parent.size(); ++t) {
-    parent[t] = anatomy.parentTet[static_cast<std::size_t>(muscle.tetId[t])];
-  }
-  Discretised d = discretise(muscle, ends, guide, nearestOfTet, options, domain.mesh, parent);
-  const auto domainVertexCount = static_cast<std::int32_t>(domain.mesh.V.rows());
-  holdDomainNodes(d, muscle, anatomy, ends, domainVertexCount, false);
-  if (!everyGroupHeld(d.problem)) {
-    holdDomainNodes(d, muscle, anatomy, ends, domainVertexCount, true);
-  }
-  if (!everyGroupHeld(d.problem)) {
-    return fail(
-        ErrorCode::FiberWithoutEnds,
-        fmt::format("a piece of \"{}\" has no room between its ends; refine the domain there or "
-                    "move the curve's ends apart",
-                    name),
-        {.object = name});
-  }
-  auto nodeU = solve(d.problem, name);
-  if (!nodeU) return passOn(nodeU);
-
-  // New vertices lie on the domain's tets, where u is linear
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(muscle.vertexId.size()));
-  for (std::size_t v = 0; v < muscle.vertexId.size(); ++v) {
+// New vertices lie on the domain's tets, where u is linear.
+std::vector<NodeWeights> nodesOfVertices(const Discretised& d, const MuscleMesh& muscle,
+                                         const envelope::Anatomy& anatomy,
+                                         std::int32_t domainVertexCount) {
+  std::vector<NodeWeights> out(muscle.vertexId.size());
+  for (std::size_t v = 0; v < out.size(); ++v) {
     const std::int32_t id = muscle.vertexId[v];
-    double value = 0.0;
     if (id < domainVertexCount) {
-      const std::int32_t node = d.node(id);
-      value = node >= 0 ? (*nodeU)[node] : 0.0;
-    } else {
-      const auto& origin = anatomy.origin[static_cast<std::size_t>(id - domainVertexCount)];
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::int32_t node = origin.corner[k] < 0 ? -1 : d.node(origin.corner[k]);
-        if (node >= 0) value += origin.weight[k] * (*nodeU)[node];
-      }
+      out[v] = {{d.node(id), -1, -1, -1}, {1.0, 0.0, 0.0, 0.0}};
+      continue;
     }
-    u[static_cast<Eigen::Index>(v)] = value;
+    const auto& origin = anatomy.origin[static_cast<std::size_t>(id - domainVertexCount)];
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (origin.corner[k] >= 0) out[v].node[k] = d.node(origin.corner[k]);
+      out[v].weight[k] = origin.weight[k];
+    }
   }
-  return spreadToTets(d, *nodeU, std::move(u));
-}
-
-Result<FlowPotential> solveOnAnatomyTets(const MuscleMesh& muscle, const SelectedEnds& ends,
-                                         const CurveGuide& guide,
-                                         const std::vector<CurveGuide::Nearest>& nearestOfTet,
-                                         const FiberOptions& options, const std::string& name) {
-  std::vector<std::int32_t> itself(muscle.tetId.size());
-  std::iota(itself.begin(), itself.end(), 0);
-  Discretised d = discretise(muscle, ends, guide, nearestOfTet, options, muscle.mesh, itself);
-  for (std::size_t n = 0; n < d.nodeId.size(); ++n) {
-    const std::int32_t end = ends.end[static_cast<std::size_t>(d.nodeId[n])];
-    if (end >= 0) d.hold(static_cast<std::int32_t>(n), ends.values[static_cast<std::size_t>(end)]);
-  }
-  auto nodeU = solve(d.problem, name);
-  if (!nodeU) return passOn(nodeU);
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(muscle.vertexId.size()));
-  for (std::size_t n = 0; n < d.nodeId.size(); ++n)
-    u[d.nodeId[n]] = (*nodeU)[static_cast<Eigen::Index>(n)];
-  return spreadToTets(d, *nodeU, std::move(u));
+  return out;
 }
 
 }  // namespace
@@ -313,10 +300,50 @@ Result<FlowPotential> solveFlow(const MuscleMesh& muscle, const envelope::Anatom
                                 const std::vector<CurveGuide::Nearest>& nearestOfTet,
                                 const FiberOptions& options, const std::string& name) {
   EC_REQUIRE_EQ(nearestOfTet.size(), muscle.tetId.size());
-  if (options.elements == FlowElements::AnatomyTets) {
-    return solveOnAnatomyTets(muscle, ends, guide, nearestOfTet, options, name);
+  Discretised d = discretise(muscle, anatomy, domain, ends, guide, nearestOfTet, options);
+  const std::vector<NodeWeights> nodes =
+      nodesOfVertices(d, muscle, anatomy, static_cast<std::int32_t>(domain.mesh.V.rows()));
+  applyEnds(d.problem, muscle, ends, nodes);
+  auto nodeU = solve(d.problem, name);
+  if (!nodeU) return passOn(nodeU);
+  return spreadToTets(d, *nodeU, nodes);
+}
+
+Eigen::VectorXd progressAlongHeads(const MuscleMesh& muscle, const SelectedEnds& ends,
+                                   const CurveGuide& guide, const Eigen::VectorXd& u) {
+  if (guide.curveCount() == 1) return u;
+  // u at the ends of every head, mean by area
+  std::vector<double> level;
+  for (const FlowEnd& end : ends.flow) {
+    double sum = 0.0;
+    for (const std::int32_t f : end.faces) {
+      const auto& v = muscle.surface[static_cast<std::size_t>(f)].v;
+      const Vector3 a = muscle.mesh.V.row(v[0]).transpose();
+      const double area = 0.5 * (muscle.mesh.V.row(v[1]).transpose() - a)
+                                    .cross(muscle.mesh.V.row(v[2]).transpose() - a)
+                                    .norm();
+      sum += area / 3.0 * (u[v[0]] + u[v[1]] + u[v[2]]);
+    }
+    level.push_back(end.area > 0.0 ? sum / end.area : end.role == Role::Origin ? 0.0 : 1.0);
   }
-  return solveOnDomainTets(muscle, anatomy, domain, ends, guide, nearestOfTet, options, name);
+  Eigen::VectorXd out(u.size());
+  for (Eigen::Index v = 0; v < u.size(); ++v) {
+    const Vector3 x = muscle.mesh.V.row(v).transpose();
+    double first = 0.0;
+    double last = 0.0;
+    double total = 0.0;
+    for (std::int32_t c = 0; c < guide.curveCount(); ++c) {
+      const double far = guide.distance(c, x) / guide.length(c);
+      const double weight = 1.0 / (far * far + 1e-12);
+      first += weight * level[2 * static_cast<std::size_t>(c)];
+      last += weight * level[2 * static_cast<std::size_t>(c) + 1];
+      total += weight;
+    }
+    // A head that goes nowhere takes the muscle's own measure
+    const double gain = (last - first) / total;
+    out[v] = gain > 0.1 ? (u[v] - first / total) / gain : u[v];
+  }
+  return out;
 }
 
 }  // namespace ecorche::fiber

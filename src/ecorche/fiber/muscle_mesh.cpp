@@ -24,6 +24,17 @@ std::vector<std::vector<std::int32_t>> tetsByTissue(const envelope::Anatomy& ana
   return out;
 }
 
+std::vector<std::int32_t> placesInTissue(const std::vector<std::vector<std::int32_t>>& tets,
+                                         std::size_t tetCount) {
+  std::vector<std::int32_t> out(tetCount, -1);
+  for (const auto& ofTissue : tets) {
+    for (std::size_t i = 0; i < ofTissue.size(); ++i) {
+      out[static_cast<std::size_t>(ofTissue[i])] = static_cast<std::int32_t>(i);
+    }
+  }
+  return out;
+}
+
 std::vector<std::int32_t> boundaryOfSlot(const envelope::Anatomy& anatomy) {
   std::vector<std::int32_t> out(4 * anatomy.label.size(), -1);
   for (std::size_t f = 0; f < anatomy.boundaryTet.size(); ++f) {
@@ -73,6 +84,7 @@ void labelComponents(MuscleMesh& m) {
 
 MuscleMesh extractMuscle(const envelope::Anatomy& anatomy, TissueId tissue,
                          const std::vector<std::int32_t>& tets,
+                         const std::vector<std::int32_t>& placeInTissue,
                          const std::vector<std::int32_t>& boundaryOf) {
   MuscleMesh m;
   m.tissue = tissue;
@@ -80,15 +92,15 @@ MuscleMesh extractMuscle(const envelope::Anatomy& anatomy, TissueId tissue,
   const auto tetCount = static_cast<Eigen::Index>(tets.size());
 
   // Vertices keep the anatomy's order, so that results do not depend on the order of tets
-  m.vertexId.reserve(4 * tets.size());
+  std::vector<std::int32_t> local(static_cast<std::size_t>(anatomy.mesh.V.rows()), -1);
   for (const std::int32_t t : tets) {
-    for (int k = 0; k < 4; ++k) m.vertexId.push_back(anatomy.mesh.T(t, k));
+    for (int k = 0; k < 4; ++k) local[static_cast<std::size_t>(anatomy.mesh.T(t, k))] = 0;
   }
-  std::ranges::sort(m.vertexId);
-  m.vertexId.erase(std::ranges::unique(m.vertexId).begin(), m.vertexId.end());
-  const auto local = [&](std::int32_t v) {
-    return static_cast<std::int32_t>(std::ranges::lower_bound(m.vertexId, v) - m.vertexId.begin());
-  };
+  for (std::size_t v = 0; v < local.size(); ++v) {
+    if (local[v] < 0) continue;
+    local[v] = static_cast<std::int32_t>(m.vertexId.size());
+    m.vertexId.push_back(static_cast<std::int32_t>(v));
+  }
   m.mesh.V.resize(static_cast<Eigen::Index>(m.vertexId.size()), 3);
   for (std::size_t v = 0; v < m.vertexId.size(); ++v) {
     m.mesh.V.row(static_cast<Eigen::Index>(v)) = anatomy.mesh.V.row(m.vertexId[v]);
@@ -97,7 +109,8 @@ MuscleMesh extractMuscle(const envelope::Anatomy& anatomy, TissueId tissue,
   m.volume.resize(tetCount);
   for (Eigen::Index t = 0; t < tetCount; ++t) {
     for (int k = 0; k < 4; ++k)
-      m.mesh.T(t, k) = local(anatomy.mesh.T(tets[static_cast<std::size_t>(t)], k));
+      m.mesh.T(t, k) =
+          local[static_cast<std::size_t>(anatomy.mesh.T(tets[static_cast<std::size_t>(t)], k))];
     m.volume[t] = mesh::signedVolume(m.mesh, t);
   }
 
@@ -108,8 +121,7 @@ MuscleMesh extractMuscle(const envelope::Anatomy& anatomy, TissueId tissue,
     for (int k = 0; k < 4; ++k) {
       const std::int32_t n = anatomy.neighbours(global, k);
       if (n >= 0 && anatomy.label[static_cast<std::size_t>(n)] == tissue) {
-        m.neighbours(t, k) =
-            static_cast<std::int32_t>(std::ranges::lower_bound(tets, n) - tets.begin());
+        m.neighbours(t, k) = placeInTissue[static_cast<std::size_t>(n)];
         continue;
       }
       MuscleFace face;

@@ -34,13 +34,19 @@ struct MuscleMesh {
 /// Anatomy tets of every tissue, ascending; index = tissue id.
 [[nodiscard]] std::vector<std::vector<std::int32_t>> tetsByTissue(const envelope::Anatomy& anatomy);
 
+/// Every tet's place among those of its tissue: the other way round.
+[[nodiscard]] std::vector<std::int32_t> placesInTissue(
+    const std::vector<std::vector<std::int32_t>>& tets, std::size_t tetCount);
+
 /// For 4·tet + corner the boundary face opposite that corner, -1 elsewhere.
 [[nodiscard]] std::vector<std::int32_t> boundaryOfSlot(const envelope::Anatomy& anatomy);
 
-/// @param tets        of one tissue, ascending
-/// @param boundaryOf  from boundaryOfSlot
+/// @param tets           of one tissue, ascending
+/// @param placeInTissue  from placesInTissue
+/// @param boundaryOf     from boundaryOfSlot
 [[nodiscard]] MuscleMesh extractMuscle(const envelope::Anatomy& anatomy, TissueId tissue,
                                        const std::vector<std::int32_t>& tets,
+                                       const std::vector<std::int32_t>& placeInTissue,
                                        const std::vector<std::int32_t>& boundaryOf);
 
 }  // namespace ecorche::fiber
