@@ -68,6 +68,8 @@ void printFindings(const std::vector<std::pair<std::string, Findings>>& meshes, 
   fmt::print("{} of {} meshes without findings\n", clean, meshes.size());
 }
 
+constexpr mesh::SurfaceCheckOptions kAll{.selfIntersections = true};
+
 Result<void> checkMeshes(const std::string& file, Session& session) {
   std::vector<std::pair<std::string, Findings>> out;
   if (std::filesystem::path(file).extension() == ".ecorche") {
@@ -75,15 +77,15 @@ Result<void> checkMeshes(const std::string& file, Session& session) {
     if (!project) return passOn(project);
     auto meshes = engine::loadMeshes(*project, session.run);
     if (!meshes) return passOn(meshes);
-    out.emplace_back("skin", mesh::checkSurface(meshes->skin).findings);
+    out.emplace_back("skin", mesh::checkSurface(meshes->skin, kAll).findings);
     for (const auto* list : {&meshes->bones, &meshes->obstacles, &meshes->cavities}) {
-      for (const auto& m : *list) out.emplace_back(m.name, mesh::checkSurface(m).findings);
+      for (const auto& m : *list) out.emplace_back(m.name, mesh::checkSurface(m, kAll).findings);
     }
   } else {
     auto mesh = mesh::readMesh(file, {}, session.run);
     if (!mesh) return passOn(mesh);
     out.emplace_back(std::filesystem::path(file).filename().string(),
-                     mesh::checkSurface(*mesh).findings);
+                     mesh::checkSurface(*mesh, kAll).findings);
   }
   printFindings(out, session.globals.json);
   return {};

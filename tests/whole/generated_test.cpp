@@ -2,7 +2,8 @@
 //
 //   ECORCHE_CASES=2000  how many (25)
 //   ECORCHE_SEED=17     the first one's seed (16); with ECORCHE_CASES=1 it repeats one case
-//   ECORCHE_KEEP=DIR    leaves project, meshes and output of failing cases there
+//   ECORCHE_KEEP=DIR    leaves project, meshes and output of failing cases there, and of a single
+//   one
 
 #include <ecorche/engine/output.h>
 #include <ecorche/exchange/check_anatomy.h>
@@ -12,7 +13,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <map>
+#include <mutex>
+#include <thread>
 
 #include "support/paths.h"
 #include "whole/generated_anatomy.h"
@@ -58,6 +63,24 @@ constexpr const char* kAlways[] = {"files-complete",
                                    "fibers-unit",
                                    "report-agrees"};
 
+/// Cancels a run that takes minutes: some thousands of tets should take a second.
+class Patience {
+ public:
+  explicit Patience(RunContext& run)
+      : thread_([&run, this](const std::stop_token& stop) {
+          std::unique_lock lock(mutex_);
+          if (!over_.wait_for(lock, stop, std::chrono::seconds(kSeconds),
+                              [&] { return stop.stop_requested(); }))
+            run.cancel();
+        }) {}
+
+ private:
+  static constexpr int kSeconds = 120;
+  std::mutex mutex_;
+  std::condition_variable_any over_;
+  std::jthread thread_;  // last: joined while the others live
+};
+
 void keep(const fs::path& folder, std::uint64_t seed) {
   if (const char* where = std::getenv("ECORCHE_KEEP")) {
     fs::create_directories(where);
@@ -71,8 +94,10 @@ void keep(const fs::path& folder, std::uint64_t seed) {
 TEST_CASE("every generated anatomy is built whole, or refused with a reason") {
   const std::uint64_t cases = fromEnvironment("ECORCHE_CASES", 25);
   const std::uint64_t first = fromEnvironment("ECORCHE_SEED", 16);
+  const bool asked = std::getenv("ECORCHE_CASES") != nullptr;  // long runs show where they are
   std::map<std::string, int> ends;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
+    const auto begin = std::chrono::steady_clock::now();
     const test::TempFolder temp;
     const std::int64_t tets = 1200 + static_cast<std::int64_t>(seed * 977 % 2000);
     const test::GeneratedAnatomy made = test::generateAnatomy(seed, tets, temp.path());
@@ -80,7 +105,10 @@ TEST_CASE("every generated anatomy is built whole, or refused with a reason") {
     INFO("repeat with ECORCHE_SEED=" << seed << " ECORCHE_CASES=1");
     REQUIRE_FALSE(model::findFault(made.project));
 
+    if (cases == 1) keep(temp.path(), seed);
+
     RunContext run;
+    const Patience patience(run);
     const auto build = engine::build(made.project, {.useCache = false}, run);
     if (!build) {
       INFO(build.error().text());
@@ -88,6 +116,7 @@ TEST_CASE("every generated anatomy is built whole, or refused with a reason") {
       CHECK_FALSE(build.error().message.empty());
       if (!blamesInput(build.error().code)) keep(temp.path(), seed);
       ++ends[std::string(name(build.error().code))];
+      if (asked) fmt::print(stderr, "seed {}: {}\n", seed, build.error().text());
       continue;
     }
     const auto out = temp.path() / "out";
@@ -136,10 +165,14 @@ TEST_CASE("every generated anatomy is built whole, or refused with a reason") {
     ++ends["built"];
     CHECK(checked->checks.size() >= std::size(kAlways));
     if (!sound) keep(temp.path(), seed);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (asked)
+      fmt::print(stderr, "seed {}: {:.1f} s, {}\n", seed, seconds, sound ? "sound" : "NOT sound");
   }
   // A generator that mostly makes nonsense proves nothing
   CHECK(ends["built"] * 10 >= static_cast<int>(cases) * 8);
-  if (cases > 100 || std::getenv("ECORCHE_CASES")) {
+  if (asked) {
     for (const auto& [what, count] : ends) WARN(what << ": " << count << " of " << cases);
   }
 }
