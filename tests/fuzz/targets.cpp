@@ -7,6 +7,8 @@
 #include <ecorche/mesh/read_stl.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_repair.h>
+#include <ecorche/model/project_check.h>
+#include <ecorche/model/project_file.h>
 
 #include <cstring>
 #include <stdexcept>
@@ -79,6 +81,19 @@ void repair(std::string_view bytes) {
   demand(check.duplicateFaces == 0, "repaired, but faces are doubled");
 }
 
+// What is read can be built upon, and comes back from its own text.
+void project(std::string_view bytes) {
+  const auto project = model::parseProject(bytes, "fuzz");
+  if (!project) {
+    demand(!project.error().message.empty() && project.error().place.file == "fuzz",
+           "an error without a sentence or a place");
+    return;
+  }
+  demand(!model::findFault(*project), "a project with a fault");
+  const auto again = model::parseProject(model::projectText(*project), "fuzz");
+  demand(again.has_value() && *again == *project, "a project that its own text does not give back");
+}
+
 constexpr FuzzTarget kTargets[] = {
     {"obj", read<mesh::parseObj>},
     {"ply", read<mesh::parsePly>},
@@ -86,6 +101,7 @@ constexpr FuzzTarget kTargets[] = {
     {"off", read<mesh::parseOff>},
     {"import", import},
     {"repair", repair},
+    {"project", project},
 };
 
 }  // namespace
