@@ -54,6 +54,8 @@ int runCommand(const Command& command, const Globals& globals) {
   action.sa_handler = interrupt;  // without SA_RESTART: whoever waits for input wakes up
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a file that may not grow is an error to report, like a full disk
 
   Session session{globals, run};
   const Result<void> done = command.body(session);

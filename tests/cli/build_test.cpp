@@ -20,17 +20,18 @@ std::set<std::string> everythingIn(const fs::path& folder) {
   return out;
 }
 
-test::Outcome build(const SmallProject& p, const std::string& arguments) {
+test::Outcome build(const SmallProject& p, const std::string& arguments,
+                    const std::string& first = {}) {
   return test::runEcorche("build " + arguments + " --no-preview --no-cache --quiet --json",
-                          p.folder());
+                          p.folder(), first);
 }
 
 /// Builds and demands a refusal that leaves the disk as it was.
 /// @param words  what the sentence must say, among other things
 void refuses(const SmallProject& p, const std::string& code, const std::vector<std::string>& words,
-             const std::string& output = "made/for/this/out") {
+             const std::string& output = "made/for/this/out", const std::string& first = {}) {
   const auto before = everythingIn(p.folder());
-  const auto run = build(p, "limb.ecorche -o " + output);
+  const auto run = build(p, "limb.ecorche -o " + output, first);
   INFO(run.err << run.out);
   CHECK(run.exitCode == 1);
   CHECK(everythingIn(p.folder()) == before);
@@ -65,12 +66,9 @@ TEST_CASE("build makes a folder that check passes, and replaces only its own") {
        {"anatomy.vtu", "anatomy.mesh", "muscles/flexor.obj", "muscles/extensor.obj",
         "bones/humerus.obj", "fat.obj", "skin.obj", "model.json", "report.json"})
     CHECK(fs::is_regular_file(p.at("out") / file));
-  const auto check = test::runEcorche("check out --json", p.folder());
-  const auto answer = nlohmann::json::parse(check.out);
-  for (const auto& c : answer.at("checks")) {
-    INFO(c.dump());
-    CHECK((c.at("pass") == true || c.at("name").get<std::string>().ends_with("-deviation")));
-  }
+  const auto check = test::runEcorche("check out", p.folder());
+  INFO(check.out);
+  CHECK(check.exitCode == 0);
 
   run = build(p, "limb.ecorche -o out --formats vtu");
   CHECK(run.exitCode == 0);
@@ -243,5 +241,17 @@ TEST_CASE("build: an output that cannot be written") {
     fs::create_directory(p.at("locked"));
     fs::permissions(p.at("locked"), fs::perms::owner_read | fs::perms::owner_exec);
     refuses(p, "FileNotWritable", {"locked/out: ", "Permission denied"}, "locked/out");
+  }
+}
+
+TEST_CASE("build: a disk that is full") {
+  // A limit to the size of files is the nearest thing that every machine has. In blocks of 512
+  // bytes; the first is too small for what the mesher is given, the second for the tets
+  const SmallProject p;
+  for (const char* limit : {"ulimit -f 40;", "ulimit -f 1000;"}) {
+    INFO(limit);
+    refuses(p, "FileNotWritable",
+            {"cannot write the file: File too large; choose another folder or free some space"},
+            "made/for/this/out", limit);
   }
 }
