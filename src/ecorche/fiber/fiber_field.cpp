@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 namespace ecorche::fiber {
 
@@ -138,13 +137,26 @@ std::int64_t countInteriorExtrema(const MuscleMesh& m, const Eigen::VectorXd& u,
   return count;
 }
 
-void measureAngles(MuscleResult& r, const tissue::CurveTissue& tissue) {
-  std::vector<std::int32_t> all(r.muscle.tetId.size());
-  std::iota(all.begin(), all.end(), 0);
+void measureAngles(MuscleResult& r, const tissue::CurveTissue& tissue, const CurveGuide& guide,
+                   const std::vector<CurveGuide::Nearest>& nearest) {
+  // Curves run through a tet only where they come as near to its centroid as its farthest corner;
+  // the guide's poly-line is a little off the curve
+  std::vector<std::int32_t> close;
+  for (std::size_t t = 0; t < nearest.size(); ++t) {
+    const auto row = static_cast<Eigen::Index>(t);
+    const Vector3 centre = r.muscle.centroid(row);
+    double reach = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const Vector3 corner = r.muscle.mesh.V.row(r.muscle.mesh.T(row, k)).transpose();
+      reach = std::max(reach, (corner - centre).norm());
+    }
+    const double slack = 0.01 * guide.length(nearest[t].curve);
+    if (nearest[t].distance <= reach + slack) close.push_back(static_cast<std::int32_t>(t));
+  }
   double sum = 0.0;
   for (const auto& curve : tissue.curves) {
     const auto line = curve.spline.sample(curve.spline.length() / 200).point;
-    for (const TetOnCurve& hit : tetsOnCurve(r.muscle.mesh, all, line)) {
+    for (const TetOnCurve& hit : tetsOnCurve(r.muscle.mesh, close, line)) {
       const double cosine =
           std::clamp(r.tetFiber.row(hit.tet).dot(hit.tangent.transpose()), -1.0, 1.0);
       sum += std::acos(cosine) * 180.0 / std::numbers::pi;
@@ -213,7 +225,7 @@ Result<MuscleResult> computeMuscle(const envelope::Anatomy& anatomy, const domai
   r.figures.origins = ends->origins;
   r.figures.insertions = ends->insertions;
   r.figures.interiorExtrema = countInteriorExtrema(m, flow->u, *ends);
-  measureAngles(r, tissue);
+  measureAngles(r, tissue, guide, nearest);
   traceLengths(r, progress, *ends, guide, options);
 
   r.findings = std::move(ends->findings);
