@@ -167,6 +167,23 @@ def relax(curves, bones, skin, *, bone_margin=0.0035, skin_margin=0.004, apart=0
     return curves
 
 
+def unfold(curve, values, most=110.0):
+    """Without the inner control points at which a curve doubles back by more than `most` degrees, sharpest first.
+
+    Sections of a short thick muscle need not follow one another along it, and no fibre can follow such a hairpin.
+    """
+    curve, values = np.array(curve, float), np.array(values, float)
+    while len(curve) > 2:
+        step = np.diff(curve, axis=0)
+        step /= np.linalg.norm(step, axis=1, keepdims=True)
+        turn = np.degrees(np.arccos(np.clip((step[1:] * step[:-1]).sum(1), -1, 1)))
+        if turn.max() <= most:
+            break
+        sharpest = 1 + int(np.argmax(turn))
+        curve, values = np.delete(curve, sharpest, axis=0), np.delete(values, sharpest)
+    return curve, values
+
+
 def refine(curves, values, bones, skin, *, bone_margin=0.0025, skin_margin=0.003, limit=8):
     """Gives a curve one more control point where it still comes too close, pushed clear. True where it did."""
     grown = []

@@ -144,6 +144,8 @@ def first_guess(muscle, head, sites, bones):
         radius = radii[nearest]
     values = np.clip(radius / radius.max(), 0.45, 1.0)
     values[0], values[-1] = np.clip(values[0], 0.45, 0.8), np.clip(values[-1], 0.45, 0.8)
+    if head.belly:
+        values = np.interp(cv.arc_length(points) / cv.arc_length(points)[-1], *zip(*head.belly))
     return points, values
 
 
@@ -165,6 +167,7 @@ def main():
 
     heads = [(muscle, head) for muscle in MUSCLES for head in muscle.heads]
     guesses = [first_guess(muscle, head, sites, bones) for muscle, head in heads]
+    guesses = [cv.unfold(*g) for g in guesses]
     points = [g[0] for g in guesses]
     anchors = [(head.start.bone, head.end.bone) for _, head in heads]
     cv.spread_ends(points, anchors, bones)
@@ -174,7 +177,10 @@ def main():
         points = cv.relax(points, around, skin, same=[m.name for m, _ in heads], limits=PLANES.values())
         if not any(cv.refine(points, values, around, skin)):
             break
-    points = cv.relax(points, around, skin, same=[m.name for m, _ in heads], limits=PLANES.values())
+    for _ in range(3):
+        unfolded = [cv.unfold(p, v) for p, v in zip(points, values)]
+        points, values = [u[0] for u in unfolded], [u[1] for u in unfolded]
+        points = cv.relax(points, around, skin, same=[m.name for m, _ in heads], limits=PLANES.values())
 
     names = [f"{m.name}/{h.name}" for m, h in heads]
     for complaint in cv.check(points, names, around, skin, limits=PLANES.values()):

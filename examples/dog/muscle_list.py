@@ -31,6 +31,7 @@ class Head:
     crop: Optional[float] = None  # only the artist's mesh in front of this X [m]
     via: Optional[tuple] = None  # shifts the middle of the path [m]
     path: Optional[tuple] = None  # inner points given outright [m]
+    belly: Optional[tuple] = None  # (share of the length, tissue value) pairs, instead of what the mesh's radius says
 
 
 @dataclasses.dataclass
@@ -71,7 +72,7 @@ MUSCLES = [
           [End(PELVIS)] * 2, [End(FEMUR)] * 2, ["dorsal part", "ventral part"], 4),
     one("gluteus_profundus", "rump", 0, "MUSCm.gluteus_profundus_minor_L.stl", End(PELVIS), End(FEMUR), 4),
     one("tensor_fasciae_latae", "rump", 2, "MUSCm_tensor_f.latae_L.stl", End(PELVIS),
-        End("vastus_lateralis", "vastus_lat_ander_fascia_lata_L"), 4),
+        End("free", "vastus_lat_ander_fascia_lata_L"), 4),  # ends in the fascia lata, which we do not have
     one("obturatorius_internus", "hip", 0, "MUSCm.obturatorius_int_L.stl", End(PELVIS), End(FEMUR), 4),
     one("obturatorius_externus", "hip", 0, "MUSCm.obturatorius_ext_L.stl", End(PELVIS), End(FEMUR), 4),
     one("gemelli", "hip", 0, "MUSCm.gemellus_L.stl", End(PELVIS), End(FEMUR), 4),
@@ -125,8 +126,9 @@ MUSCLES = [
     # Crus, cranial and lateral
     one("tibialis_cranialis", "crus", 2, "MUSCm.tibialis_cranialis_L.stl", End(FIBULA), End("Tarsus_central_L")),
     one("extensor_digitorum_longus", "crus", 1, "MUSCm.extensor_digitorum_longus_L.stl", End(FEMUR),
-        End("Phalanges_B_3_L_2"), 7),
-    one("extensor_digitorum_lateralis", "crus", 1, "MUSCm.extensor_digitorum_lateralis_L.stl", End(FIBULA),
+        End("Phalanges_B_3_L_2"), 7, belly=((0, 0.5), (0.15, 0.9), (0.3, 1.0), (0.45, 0.6), (0.6, 0.45), (1, 0.45))),
+    one("extensor_digitorum_lateralis", "crus", 1, "MUSCm.extensor_digitorum_lateralis_L.stl",
+        End(FIBULA, at=(-0.4300, 0.0930, 0.2530)),
         End("Phalanges_B_L_4"), 6),
     one("peroneus_longus", "crus", 2, "MUSCm.peroneus_longus_L.stl", End(FIBULA), End("Tarsus_L_IV", at=(-0.5480, 0.0960, 0.1240)), 6),
     one("peroneus_brevis", "crus", 0, "MUSCm.peroneus_brevis_L.stl", End(FIBULA),

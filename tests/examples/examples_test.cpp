@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "support/paths.h"
 
@@ -109,6 +111,13 @@ void checkCurves(const Example& example, const CurveChecks& checks) {
                                         std::pair(curve.end, curve.points.back().at)}) {
         if (support.on == model::Support::On::Bone)
           CHECK(bones.at(support.name).distance(at) < 0.001);
+      }
+
+      // No fibre can follow a curve that doubles back
+      for (std::size_t k = 1; k + 1 < curve.points.size(); ++k) {
+        const mesh::Vector3 before = (curve.points[k].at - curve.points[k - 1].at).normalized();
+        const mesh::Vector3 after = (curve.points[k + 1].at - curve.points[k].at).normalized();
+        CHECK(before.dot(after) > std::cos(115.0 * std::numbers::pi / 180.0));
       }
 
       const mesh::Spline spline = model::splineOf(curve);
