@@ -85,7 +85,6 @@ Result<Build> build(const model::Project& project, const BuildOptions& options, 
   tissue::TissueOptions how = tissueOptions(project);
   if (options.alpha) how.alpha = options.alpha;
   {
-    const Stage stage(run, "tissue fields");
     auto cores = tissue::traceCurves(domain, out.tissues, how, run);
     if (!cores) return passOn(cores);
     out.cores = std::move(*cores);
@@ -109,7 +108,6 @@ Result<Build> build(const model::Project& project, const BuildOptions& options, 
     out.measures = envelope::measureTissues(out.anatomy, names.size());
   }
   {
-    const Stage stage(run, "fibres");
     // One muscle that its neighbours pinch off from an end must not cost the user the other forty
     const fiber::FiberOptions flow{.unendedPiece = fiber::UnendedPiece::FollowCurve};
     auto fibers =
