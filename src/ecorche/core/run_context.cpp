@@ -12,15 +12,20 @@ void RunContext::progress(std::string_view stage, double fraction) {
   sink_(stage, std::clamp(fraction, 0.0, 1.0));
 }
 
-void RunContext::record(std::string_view stage, double seconds) {
+bool RunContext::open(const std::string& stage) {
   const std::lock_guard lock(mutex_);
-  const auto known =
-      std::ranges::find_if(times_, [&](const StageTime& t) { return t.stage == stage; });
-  if (known != times_.end()) {
-    known->seconds += seconds;
-  } else {
-    times_.push_back({std::string(stage), seconds});
-  }
+  if (std::ranges::find(running_, stage) != running_.end()) return false;
+  const auto level = static_cast<int>(running_.size());
+  running_.push_back(stage);
+  const auto known = std::ranges::find(times_, stage, &StageTime::stage);
+  if (known == times_.end()) times_.push_back({stage, 0.0, level});
+  return true;
+}
+
+void RunContext::close(const std::string& stage, double seconds) {
+  const std::lock_guard lock(mutex_);
+  std::erase(running_, stage);
+  std::ranges::find(times_, stage, &StageTime::stage)->seconds += seconds;
 }
 
 std::vector<RunContext::StageTime> RunContext::stageTimes() const {
@@ -32,13 +37,15 @@ double RunContext::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
 }
 
-Stage::Stage(RunContext& run, std::string stage) : run_(run), stage_(std::move(stage)) {
-  run_.progress(stage_, 0.0);
+Stage::Stage(RunContext& run, std::string stage)
+    : run_(run), stage_(std::move(stage)), counts_(run.open(stage_)) {
+  if (counts_) run_.progress(stage_, 0.0);
 }
 
 Stage::~Stage() {
+  if (!counts_) return;
   run_.progress(stage_, 1.0);
-  run_.record(stage_, seconds());
+  run_.close(stage_, seconds());
 }
 
 double Stage::seconds() const {

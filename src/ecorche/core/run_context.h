@@ -23,6 +23,8 @@ class RunContext {
   struct StageTime {
     std::string stage;
     double seconds = 0.0;
+    int level =
+        0;  ///< 0: a stage of its own; more: part of the last one before it of a lower level
   };
 
   RunContext() = default;
@@ -33,19 +35,25 @@ class RunContext {
 
   void progress(std::string_view stage, double fraction);
 
-  /// Wall time of a finished stage; shown in the report in the order of first appearance, same
-  /// names added up.
-  void record(std::string_view stage, double seconds);
+  /// Wall times of stages in the order in which they began, same names added up. Stages that began
+  /// while another ran are part of that one, whatever thread they ran on; those of level 0 add up
+  /// to the whole.
   [[nodiscard]] std::vector<StageTime> stageTimes() const;
-  /// Wall time since this was made. Stages may hold stages, so their sum means nothing.
+  /// Wall time since this was made.
   [[nodiscard]] double seconds() const;
 
  private:
+  friend class Stage;
+  /// @return false where a stage of that name runs already: its time counts once
+  bool open(const std::string& stage);
+  void close(const std::string& stage, double seconds);
+
   std::atomic<bool> cancelled_{false};
   ProgressSink sink_;
   mutable std::mutex mutex_;
   std::vector<StageTime> times_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::vector<std::string> running_;
 };
 
 /// Times a block: reports 0 on entry, 1 and the seconds on exit.
@@ -60,6 +68,7 @@ class Stage {
  private:
   RunContext& run_;
   std::string stage_;
+  bool counts_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 

@@ -197,8 +197,8 @@ class Deviation {
       if (o.kind != kind) continue;
       const Farthest far = farthestOf(samplesOf(o.mesh), o.name, [&](const Sample& s) {
         const double distance = domain.distance(s.point);
-        // Within the tolerance nobody asks whether the domain could have reached the point
-        if (distance <= limit_) return distance;
+        // Whether the domain could have reached a point costs much: it is asked where it may decide
+        if (distance <= 0.5 * limit_) return distance;
         return isExposed(o, s) ? distance : -1.0;
       });
       if (far.distance > worst.distance) {

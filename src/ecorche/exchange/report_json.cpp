@@ -170,7 +170,7 @@ Json reportJson(const Report& r) {
   for (const Finding& f : r.findings) j["findings"].push_back(findingJson(f));
   j["stages"] = Json::array();
   for (const auto& s : r.stages)
-    j["stages"].push_back({{"stage", s.stage}, {"seconds", s.seconds}});
+    j["stages"].push_back({{"stage", s.stage}, {"seconds", s.seconds}, {"level", s.level}});
   j["total_seconds"] = r.totalSeconds;
   j["peak_memory_bytes"] = r.peakMemoryBytes;
   j["peak_worker_memory_bytes"] = r.peakWorkerMemoryBytes;
@@ -206,7 +206,8 @@ Report reportFrom(const Json& j) {
   for (const Json& c : j.at("checks")) r.checks.push_back(checkFrom(c));
   r.references = referencesOf(j.at("mesh_references"));
   for (const Json& f : j.at("findings")) r.findings.push_back(findingFrom(f));
-  for (const Json& s : j.at("stages")) r.stages.push_back({s.at("stage"), s.at("seconds")});
+  for (const Json& s : j.at("stages"))
+    r.stages.push_back({s.at("stage"), s.at("seconds"), s.at("level")});
   r.totalSeconds = j.at("total_seconds");
   r.peakMemoryBytes = j.at("peak_memory_bytes");
   r.peakWorkerMemoryBytes = j.at("peak_worker_memory_bytes");

@@ -125,7 +125,11 @@ std::string findingsText(const Findings& findings) {
 
 std::string stagesText(const Report& report) {
   std::vector<std::vector<std::string>> rows;
-  for (const auto& s : report.stages) rows.push_back({s.stage, fmt::format("{:.2f}", s.seconds)});
+  for (const auto& s : report.stages) {
+    const auto indent = static_cast<std::size_t>(2 * s.level);
+    rows.push_back({std::string(indent, ' ') + s.stage,
+                    std::string(indent, ' ') + fmt::format("{:.2f}", s.seconds)});
+  }
   rows.push_back({"in all", fmt::format("{:.2f}", report.totalSeconds)});
   std::string out = table({{"stage", Align::Left}, {"s"}}, rows);
   out += fmt::format("  peak memory {:.0f} MB, worker {:.0f} MB; {}, {} of {} cores{}\n",
