@@ -38,7 +38,7 @@ struct DomainOptions {
   /// of the diagonal of the uncut skin.
   double surfaceToleranceRel = 0.001;
   /// How fast edge lengths may grow with distance [unitless]. 0: all alike.
-  double gradation = 0.3;
+  double gradation = 0.15;
   /// After this the mesher is taken for hung [s].
   double workerTimeout = 300.0;
   /// Look into cacheFolder()/domains first and leave the result there.

@@ -164,6 +164,17 @@ Mesh halfSpace(const CutPlane& plane, std::int32_t tag, double size) {
   return box;
 }
 
+/// Corefinement meets edges and faces in an order that depends on memory, and the last digits of
+/// what it makes with it. 2⁻⁴² of the size is far below any tolerance and far above those digits.
+void roundVertices(Mesh& mesh, double size) {
+  const double grid = std::exp2(std::floor(std::log2(size)) - 42.0);
+  const auto rounded = [&](double x) { return std::round(x / grid) * grid; };
+  for (const auto v : mesh.vertices()) {
+    const Point& p = mesh.point(v);
+    mesh.point(v) = Point(rounded(p.x()), rounded(p.y()), rounded(p.z()));
+  }
+}
+
 /// Puts the vertices of the faces on cut plane `tag` onto it.
 void snapToPlane(Mesh& mesh, const CutPlane& plane, std::int32_t tag) {
   TagMap tags = tagsOf(mesh);
@@ -260,12 +271,14 @@ class Carver {
                   "nothing is left of the skin after bones and cut planes were taken away",
                   {.object = input_.skin.name});
     }
+    roundVertices(skin_, size_);
     // Last: every cut that meets a plane leaves rounded vertices on it
     for (std::size_t k = 0; k < input_.cutPlanes.size(); ++k) {
       snapToPlane(skin_, input_.cutPlanes[k],
                   packed({BoundaryTag::Kind::CutPlane, static_cast<std::int32_t>(k)}));
     }
-    out_.surface = fromCgal(skin_);
+    // Corefinement numbers new vertices by what lies where in memory
+    out_.surface = ordered(fromCgal(skin_));
     std::ranges::sort(out_.wrapped);
     const auto repeated = std::ranges::unique(out_.wrapped);
     out_.wrapped.erase(repeated.begin(), repeated.end());

@@ -33,6 +33,10 @@ struct TaggedSurface {
 /// axis.
 [[nodiscard]] mesh::Vector3 ontoPlane(const CutPlane& plane, mesh::Vector3 p);
 
+/// Vertices by coordinates, faces by their vertices: the same surface in the same order, whatever
+/// order it was made in.
+[[nodiscard]] TaggedSurface ordered(const TaggedSurface& surface);
+
 /// Without vertices that no face uses.
 [[nodiscard]] TaggedSurface compacted(const TaggedSurface& surface);
 
