@@ -45,6 +45,7 @@ struct Command {
 /// and body.
 using Commands = std::vector<Command>;
 void addNew(CLI::App& app, Commands& commands);
+void addBench(CLI::App& app, Commands& commands);
 void addBuild(CLI::App& app, Commands& commands);
 void addCheck(CLI::App& app, Commands& commands);
 void addInfo(CLI::App& app, Commands& commands);

@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
   addInfo(app, commands);
   addRender(app, commands);
   addRun(app, commands);
+  addBench(app, commands);
 
   try {
     app.parse(argc, argv);

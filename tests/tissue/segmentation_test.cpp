@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "support/generated_domain.h"
 
@@ -70,4 +71,25 @@ TEST_CASE("fields that are equal everywhere leave no volume behind") {
   CHECK(volume[0] == Approx(0.4));
   CHECK(volume[1] == Approx(0.6));
   CHECK(volume[2] == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("fields that are all zero at the corners on skin cost no more than others") {
+  // One tet whose first corner lies on skin: forty muscles are 0 there, and small elsewhere
+  mesh::TetMesh mesh;
+  mesh.V.resize(4, 3);
+  mesh.V << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  mesh.T.resize(1, 4);
+  mesh.T << 0, 1, 2, 3;
+  TissueFields fields;
+  fields.values.resize(4, 41);
+  for (Eigen::Index i = 0; i < 41; ++i) {
+    // In falling order everywhere but at the corner that all share: only fat and the first count
+    const double f = std::pow(0.5, static_cast<double>(i));
+    fields.values.col(i) << 0.0, f, 0.9 * f, 0.8 * f;
+  }
+  fields.values.col(0) << 0.3, 0.1, 0.1, 0.1;
+  const auto volume = tissueVolumes(mesh, fields);
+  CHECK(std::accumulate(volume.begin(), volume.end(), 0.0) == Approx(1.0 / 6.0).epsilon(1e-12));
+  CHECK(volume[1] > 0.5 / 6.0);
+  for (std::size_t i = 2; i < volume.size(); ++i) CHECK(volume[i] == 0.0);
 }

@@ -6,10 +6,10 @@
 //   one
 
 #include <ecorche/engine/output.h>
+#include <ecorche/engine/report.h>
 #include <ecorche/exchange/check_anatomy.h>
 #include <ecorche/model/project_check.h>
 #include <ecorche/model/project_file.h>
-#include <ecorche/tissue/segmentation.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -135,8 +135,15 @@ TEST_CASE("every generated anatomy is built whole, or refused with a reason") {
     }
     // One piece a head, and one more wherever its curve dives through a bone; unless stronger
     // neighbours take the curve itself, which the report then says
-    const auto inside =
-        tissue::curveShareInside(build->domain.domain.mesh, build->fields, build->cores);
+    const auto inside = engine::curveSharesInside(*build);
+    double least = 1.0;
+    for (std::size_t i = 0; i < inside.size(); ++i) {
+      if (!build->tissues[i].filler) least = std::min(least, inside[i]);
+    }
+    const auto written =
+        std::ranges::find(checked->checks, "curves-inside", &exchange::Check::name);
+    REQUIRE(written != checked->checks.end());
+    CHECK(written->value == Approx(least).margin(1e-3));
     for (std::size_t i = 0; i < inside.size(); ++i) {
       const tissue::CurveTissue& muscle = build->tissues[i];
       if (muscle.filler) continue;

@@ -47,17 +47,16 @@ Result<void> checkProject(const model::Project& project) {
 
 }  // namespace
 
-Result<PreparedDomain> prepareDomain(const model::Project& project, const BuildOptions& options,
-                                     RunContext& run) {
-  auto meshes = loadMeshes(project, run);
-  if (!meshes) return passOn(meshes);
+Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
+                                          const ProjectMeshes& meshes, const BuildOptions& options,
+                                          RunContext& run) {
   domain::DomainInput input;
-  input.skin = meshes->skin;
-  input.bones = meshes->bones;
-  input.obstacles = meshes->obstacles;
-  input.cavities = meshes->cavities;
+  input.skin = meshes.skin;
+  input.bones = meshes.bones;
+  input.obstacles = meshes.obstacles;
+  input.cavities = meshes.cavities;
   input.cutPlanes = cutPlanes(project);
-  input.curves = sizingCurves(curveTissues(project), meshes->skin);
+  input.curves = sizingCurves(curveTissues(project), meshes.skin);
 
   domain::DomainOptions how;
   how.surfaceToleranceRel = project.settings.surfaceTolerance;
@@ -66,7 +65,14 @@ Result<PreparedDomain> prepareDomain(const model::Project& project, const BuildO
                                 : project.settings.tets;
   how.edgeLength = options.edgeLength ? options.edgeLength : project.settings.edgeLength;
   how.useCache = options.useCache;
-  auto built = domain::buildDomain(input, how, run);
+  return domain::buildDomain(input, how, run);
+}
+
+Result<PreparedDomain> prepareDomain(const model::Project& project, const BuildOptions& options,
+                                     RunContext& run) {
+  auto meshes = loadMeshes(project, run);
+  if (!meshes) return passOn(meshes);
+  auto built = buildDomainOf(project, *meshes, options, run);
   if (!built) return passOn(built);
   return PreparedDomain{std::move(*meshes), std::move(*built)};
 }

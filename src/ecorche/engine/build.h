@@ -37,7 +37,14 @@ struct Build {
   fiber::FiberField fibers;
 };
 
-/// The domain alone: meshes read, curves turned into sizing, cache asked.
+/// The domain of a project whose meshes are read: curves turned into sizing, cache asked.
+/// @errors those of domain::buildDomain
+[[nodiscard]] Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
+                                                        const ProjectMeshes& meshes,
+                                                        const BuildOptions& options,
+                                                        RunContext& run);
+
+/// The same, meshes read first.
 /// @errors those of loadMeshes and domain::buildDomain
 struct PreparedDomain {
   ProjectMeshes meshes;

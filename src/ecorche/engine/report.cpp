@@ -1,12 +1,10 @@
-#include <cblas.h>
 #include <ecorche/core/parallel.h>
+#include <ecorche/engine/machine.h>
 #include <ecorche/engine/report.h>
-#include <ecorche/tissue/segmentation.h>
+#include <ecorche/fiber/curve_tets.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <thread>
 
 namespace ecorche::engine {
 
@@ -14,16 +12,6 @@ namespace {
 
 constexpr double kCm2 = 1e4;
 constexpr double kCm3 = 1e6;
-
-std::string processorName() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (!line.starts_with("model name")) continue;
-    const auto colon = line.find(':');
-    return colon == std::string::npos ? line : line.substr(colon + 2);
-  }
-  return "unknown";
-}
 
 std::string boundaryName(const domain::BoundaryTag& tag, const domain::Domain& domain) {
   const auto& names =
@@ -190,8 +178,7 @@ std::vector<exchange::Check> checksOf(const Build& build) {
   for (const auto& m : build.measures) total += m.volume;
   const double off = domain.volume > 0.0 ? std::abs(total - domain.volume) / domain.volume : 0.0;
   add("volumes-add-up", off <= 1e-9, off, 1e-9, "sum of tissue volumes against the domain");
-  const std::vector<double> inside =
-      tissue::curveShareInside(domain.mesh, build.fields, build.cores);
+  const std::vector<double> inside = curveSharesInside(build);
   for (std::size_t i = 0; i < inside.size(); ++i) {
     if (build.tissues[i].filler || inside[i] >= 0.95) continue;
     exchange::Check check;
@@ -213,6 +200,29 @@ std::vector<exchange::Check> checksOf(const Build& build) {
 }
 
 }  // namespace
+
+std::vector<double> curveSharesInside(const Build& build) {
+  std::vector<std::vector<std::int32_t>> tetsOf(build.tissues.size() + 2);
+  for (std::size_t t = 0; t < build.anatomy.label.size(); ++t) {
+    tetsOf[static_cast<std::size_t>(build.anatomy.label[t].value)].push_back(
+        static_cast<std::int32_t>(t));
+  }
+  std::vector<double> share(build.tissues.size(), 0.0);
+  parallelFor(
+      std::ssize(build.tissues),
+      [&](std::int64_t i) {
+        const auto at = static_cast<std::size_t>(i);
+        double length = 0.0;
+        for (const tissue::TissueCurve& curve : build.tissues[at].curves) {
+          const auto line = curve.spline.sample(curve.spline.length() / 200).point;
+          length += curve.spline.length();
+          share[at] += fiber::lengthInside(build.anatomy.mesh, tetsOf[at + 2], line);
+        }
+        share[at] = length > 0.0 ? std::min(1.0, share[at] / length) : 1.0;
+      },
+      1);
+  return share;
+}
 
 exchange::Report makeReport(const model::Project& project, const Build& build,
                             const exchange::WrittenOutput& written, const RunContext& run) {
@@ -247,8 +257,7 @@ exchange::Report makeReport(const model::Project& project, const Build& build,
   out.stages = run.stageTimes();
   out.peakMemoryBytes = static_cast<std::int64_t>(peakMemory());
   out.peakWorkerMemoryBytes = static_cast<std::int64_t>(peakMemoryOfChildren());
-  out.machine = {processorName(), static_cast<std::int64_t>(std::thread::hardware_concurrency()),
-                 threadCount(), openblas_get_config()};
+  out.machine = thisMachine();
   return out;
 }
 

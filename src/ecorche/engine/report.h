@@ -12,4 +12,8 @@ namespace ecorche::engine {
                                           const exchange::WrittenOutput& written,
                                           const RunContext& run);
 
+/// Share of each tissue's curves that runs through tets of its own, by length; what lies in bone or
+/// beyond the skin runs through none. Entry i of tissue id i + 2.
+[[nodiscard]] std::vector<double> curveSharesInside(const Build& build);
+
 }  // namespace ecorche::engine

@@ -18,6 +18,8 @@ double volumeShare(const SubTet& tet) {
   return std::abs(M.determinant());
 }
 
+constexpr double kNothing = 1e-14;  // of a tet's volume
+
 // The part of a tet where a linear function with values g at the outer tet's corners is positive,
 // as at most three tets
 void keepPositive(const SubTet& tet, const Eigen::Vector4d& g, std::vector<SubTet>& out) {
@@ -125,15 +127,18 @@ std::vector<double> tissueVolumes(const mesh::TetMesh& mesh, const TissueFields&
             volume(at[0].value - 1, part) += V;
             continue;
           }
-          // A field below some owner's at all corners is no candidate
+          // A field nowhere above another has no volume here; on skin all muscles are 0, so equal
+          // corners are common. Fields equal all over are left to the tie rule below.
           Eigen::MatrixX4d f(fieldCount, 4);
           for (int k = 0; k < 4; ++k) f.col(k) = fields.values.row(mesh.T(t, k)).transpose();
           candidates.clear();
-          for (Eigen::Index i = fields.fatIsCandidate ? 0 : 1; i < fieldCount; ++i) {
-            const bool beaten = std::ranges::any_of(at, [&](TissueId id) {
-              const Eigen::Index o = id.value - 1;
-              return o != i && (f.row(i).array() < f.row(o).array()).all();
-            });
+          const Eigen::Index first = fields.fatIsCandidate ? 0 : 1;
+          for (Eigen::Index i = first; i < fieldCount; ++i) {
+            bool beaten = false;
+            for (Eigen::Index o = first; o < fieldCount && !beaten; ++o) {
+              beaten = (f.row(i).array() <= f.row(o).array()).all() &&
+                       (f.row(i).array() < f.row(o).array()).any();
+            }
             if (!beaten) candidates.push_back(i);
           }
           for (const Eigen::Index i : candidates) {
@@ -147,6 +152,9 @@ std::vector<double> tissueVolumes(const mesh::TetMesh& mesh, const TissueFields&
                 if (i > 0 && (j == 0 || i < j)) continue;
               } else {
                 for (const SubTet& piece : pieces) keepPositive(piece, g, kept);
+                // Slices of no volume would be sliced again by every field that follows
+                std::erase_if(kept,
+                              [](const SubTet& piece) { return volumeShare(piece) < kNothing; });
               }
               pieces.swap(kept);
             }

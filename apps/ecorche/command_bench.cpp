@@ -1,0 +1,228 @@
+#include <ecorche/core/parallel.h>
+#include <ecorche/engine/bench.h>
+#include <ecorche/engine/machine.h>
+#include <ecorche/model/project_file.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli.h"
+#include "counts.h"
+#include "table.h"
+
+namespace ecorche::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BenchArguments {
+  std::string project;
+  std::vector<std::string> tets{"120k", "300k", "640k", "1.5M"};
+  std::vector<double> factors{1024.0, 1000.0};
+};
+
+std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
+
+// The form of every bench (DESIGN, command line): machine and cases
+Json header(const char* bench) {
+  const exchange::MachineFigures machine = engine::thisMachine();
+  return {{"bench", bench},
+          {"machine",
+           {{"processor", machine.processor},
+            {"cores", machine.cores},
+            {"threads", machine.threads},
+            {"blas", machine.blas}}},
+          {"cases", Json::array()}};
+}
+
+double muscleVolume(const std::vector<double>& volume,
+                    const std::vector<tissue::CurveTissue>& tissues) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < tissues.size(); ++i) sum += tissues[i].filler ? 0.0 : volume[i + 1];
+  return sum;
+}
+
+// Muscles by how far their volume spreads, the farthest first
+std::string spreadText(const engine::ResolutionBench& bench, std::size_t most) {
+  struct Row {
+    double change;
+    std::size_t tissue;
+  };
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < bench.tissues.size(); ++i) {
+    if (bench.tissues[i].filler) continue;
+    double least = std::numeric_limits<double>::infinity();
+    double largest = 0.0;
+    for (const auto& c : bench.cases) {
+      least = std::min(least, c.volume[i + 1]);
+      largest = std::max(largest, c.volume[i + 1]);
+    }
+    rows.push_back({largest / least - 1.0, i});
+  }
+  std::ranges::sort(rows, std::greater<>{}, &Row::change);
+  std::vector<Table::Column> columns{{"muscle", Table::Align::Left}};
+  for (const auto& c : bench.cases)
+    columns.push_back({fmt::format("{} k", c.tets / 1000), Table::Align::Right});
+  columns.push_back({"spread", Table::Align::Right});
+  Table table(std::move(columns));
+  for (std::size_t r = 0; r < std::min(most, rows.size()); ++r) {
+    std::vector<std::string> cells{bench.tissues[rows[r].tissue].name};
+    for (const auto& c : bench.cases)
+      cells.push_back(fmt::format("{:.2f}", 1e6 * c.volume[rows[r].tissue + 1]));
+    cells.push_back(percent(rows[r].change));
+    table.add(std::move(cells));
+  }
+  return table.text();
+}
+
+Json volumesJson(const std::vector<double>& volume,
+                 const std::vector<tissue::CurveTissue>& tissues) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    if (!tissues[i].filler) out[tissues[i].name] = 1e6 * volume[i + 1];
+  }
+  return out;
+}
+
+Json resolutionJson(const engine::ResolutionBench& bench) {
+  Json out = header("resolution");
+  const auto& finest = bench.cases.back();
+  const auto change = [&](const std::vector<double>& now, const std::vector<double>& reference) {
+    return muscleVolume(now, bench.tissues) / muscleVolume(reference, bench.tissues) - 1.0;
+  };
+  for (const auto& c : bench.cases) {
+    out["cases"].push_back(
+        {{"name", fmt::format("{} tets", c.tets)},
+         {"tets", c.tets},
+         {"muscles", bench.tissues.size()},
+         {"threads", threadCount()},
+         {"metrics",
+          {{"free_vertices", c.freeVertices},
+           {"total_ms", 1e3 * c.seconds},
+           {"muscle_cm3", 1e6 * muscleVolume(c.volume, bench.tissues)},
+           {"muscle_cm3_paper", 1e6 * muscleVolume(c.volumePaper, bench.tissues)},
+           {"muscles_cm3", volumesJson(c.volume, bench.tissues)}}},
+         {"ratios", Json::object()},
+         {"errors",
+          {{"volume_change", change(c.volume, finest.volume)},
+           {"volume_change_paper", change(c.volumePaper, finest.volumePaper)}}}});
+  }
+  out["cases"].push_back({{"name", "spread over all"},
+                          {"tets", finest.tets},
+                          {"muscles", bench.tissues.size()},
+                          {"threads", threadCount()},
+                          {"metrics", {{"muscle", bench.tissues[bench.ours.tissue].name}}},
+                          {"ratios", Json::object()},
+                          {"errors",
+                           {{"volume_change", bench.ours.total},
+                            {"volume_change_paper", bench.paper.total},
+                            {"volume_change_muscle", bench.ours.largest},
+                            {"volume_change_muscle_paper", bench.paper.largest}}}});
+  return out;
+}
+
+std::string resolutionText(const engine::ResolutionBench& bench) {
+  Table table({{"tets", Table::Align::Right},
+               {"free vertices", Table::Align::Right},
+               {"muscles cm³", Table::Align::Right},
+               {"paper, α = 5", Table::Align::Right},
+               {"fields s", Table::Align::Right}});
+  for (const auto& c : bench.cases) {
+    table.add({fmt::format("{}", c.tets), fmt::format("{}", c.freeVertices),
+               fmt::format("{:.1f}", 1e6 * muscleVolume(c.volume, bench.tissues)),
+               fmt::format("{:.1f}", 1e6 * muscleVolume(c.volumePaper, bench.tissues)),
+               fmt::format("{:.2f}", c.seconds)});
+  }
+  return table.text() + "\nmuscles whose volume changes most, cm³\n" + spreadText(bench, 8) +
+         fmt::format(
+             "\nlargest over smallest: muscles together {} (paper's rows {}), any muscle above "
+             "5 cm³ {} ({}; paper's rows {}, {})\n",
+             percent(bench.ours.total), percent(bench.paper.total), percent(bench.ours.largest),
+             bench.tissues[bench.ours.tissue].name, percent(bench.paper.largest),
+             bench.tissues[bench.paper.tissue].name);
+}
+
+Result<void> runResolution(const BenchArguments& args, Session& session) {
+  std::vector<std::int64_t> tets;
+  for (const std::string& text : args.tets) {
+    auto count = parseCount(text);
+    if (!count) return passOn(count);
+    tets.push_back(*count);
+  }
+  auto project = model::loadProject(args.project);
+  if (!project) return passOn(project);
+  auto bench = engine::benchResolution(*project, tets, session.run);
+  if (!bench) return passOn(bench);
+  fmt::print("{}",
+             session.globals.json ? resolutionJson(*bench).dump(2) + "\n" : resolutionText(*bench));
+  return {};
+}
+
+Result<void> runScale(const BenchArguments& args, Session& session) {
+  auto project = model::loadProject(args.project);
+  if (!project) return passOn(project);
+  auto cases = engine::benchScale(*project, args.factors, session.run);
+  if (!cases) return passOn(cases);
+  const auto tissues = engine::curveTissues(*project);
+  Json json = header("scale");
+  Table table({{"factor", Table::Align::Right},
+               {"tets", Table::Align::Right},
+               {"same tets", Table::Align::Left},
+               {"volume shares", Table::Align::Right},
+               {"muscles together", Table::Align::Right},
+               {"any above 5 cm³", Table::Align::Right},
+               {"", Table::Align::Left}});
+  for (const engine::ScaleCase& c : *cases) {
+    json["cases"].push_back({{"name", fmt::format("times {}", c.factor)},
+                             {"tets", c.tets},
+                             {"muscles", tissues.size()},
+                             {"threads", threadCount()},
+                             {"metrics", {{"same_tets", c.sameTets}}},
+                             {"ratios", Json::object()},
+                             {"errors",
+                              {{"share_change", c.shareChange},
+                               {"volume_change", c.totalChange},
+                               {"volume_change_muscle", c.largestChange}}}});
+    table.add({fmt::format("{}", c.factor), fmt::format("{}", c.tets), c.sameTets ? "yes" : "no",
+               fmt::format("{:.2g}", c.shareChange), percent(c.totalChange),
+               percent(c.largestChange), tissues[c.tissue].name});
+  }
+  fmt::print("{}", session.globals.json ? json.dump(2) + "\n" : table.text());
+  return {};
+}
+
+}  // namespace
+
+void addBench(CLI::App& app, Commands& commands) {
+  auto args = std::make_shared<BenchArguments>();
+  CLI::App* bench = app.add_subcommand("bench", "Measure what the program promises");
+  bench->require_subcommand(1);
+  CLI::App* resolution = bench->add_subcommand(
+      "resolution",
+      "How much muscle volumes change with the number of tets, the paper's rows beside");
+  resolution->add_option("PROJECT", args->project, "Project file (.ecorche)")->required();
+  resolution
+      ->add_option("--tets", args->tets, "Sizes of the domain, coarse to fine, comma-separated")
+      ->delimiter(',')
+      ->expected(2, 20)
+      ->capture_default_str();
+  CLI::App* scale = bench->add_subcommand(
+      "scale", "How much volumes change when everything is multiplied by a factor");
+  scale->add_option("PROJECT", args->project, "Project file (.ecorche)")->required();
+  scale->add_option("--factors", args->factors, "Factors, comma-separated")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  bench->footer(
+      "Examples:\n"
+      "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
+      "  ecorche bench scale hind-limb.ecorche --json");
+  commands.push_back({resolution, [args](Session& s) { return runResolution(*args, s); }});
+  commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
+}
+
+}  // namespace ecorche::cli

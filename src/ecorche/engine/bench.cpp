@@ -1,0 +1,127 @@
+#include <ecorche/engine/bench.h>
+#include <ecorche/model/project_check.h>
+#include <ecorche/tissue/curve_trace.h>
+#include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/tissue_solver.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecorche::engine {
+
+namespace {
+
+constexpr double kLeastVolume = 5e-6;  // m³: smaller muscles do not count alone
+
+Result<void> checkProject(const model::Project& project) {
+  const auto fault = model::findFault(project);
+  if (!fault) return {};
+  return fail(fault->code, fault->message, {.object = fault->object});
+}
+
+void scale(std::vector<mesh::SurfaceMesh>& meshes, double factor) {
+  for (mesh::SurfaceMesh& m : meshes) m.V *= factor;
+}
+
+model::Project scaled(model::Project project, double factor) {
+  const auto times = [&](std::optional<double>& length) {
+    if (length) *length *= factor;
+  };
+  times(project.settings.coreRadius);
+  times(project.settings.edgeLength);
+  for (auto& plane : project.cutPlanes) plane.point *= factor;
+  for (auto& tissue : project.tissues) {
+    times(tissue.coreRadius);
+    for (auto& curve : tissue.curves) {
+      for (auto& p : curve.points) p.at *= factor;
+    }
+  }
+  return project;
+}
+
+struct Solved {
+  domain::Domain domain;
+  std::vector<double> volume;  // by id − 1
+};
+
+Result<Solved> solve(const model::Project& project, ProjectMeshes meshes, double factor,
+                     RunContext& run) {
+  const model::Project own = scaled(project, factor);
+  meshes.skin.V *= factor;
+  for (auto* list : {&meshes.bones, &meshes.obstacles, &meshes.cavities}) scale(*list, factor);
+  auto built = buildDomainOf(own, meshes, {}, run);
+  if (!built) return passOn(built);
+  const auto tissues = curveTissues(own);
+  const tissue::TissueOptions how = tissueOptions(own);
+  auto cores = tissue::traceCurves(built->domain, tissues, how, run);
+  if (!cores) return passOn(cores);
+  auto fields = tissue::solveTissueFields(built->domain, *cores, tissues, how, run);
+  if (!fields) return passOn(fields);
+  Solved out;
+  out.volume = tissue::tissueVolumes(built->domain.mesh, *fields);
+  out.domain = std::move(built->domain);
+  return out;
+}
+
+}  // namespace
+
+Result<ResolutionBench> benchResolution(const model::Project& project,
+                                        const std::vector<std::int64_t>& tets, RunContext& run) {
+  if (auto sound = checkProject(project); !sound) return passOn(sound);
+  ResolutionBench out;
+  out.tissues = curveTissues(project);
+  for (const std::int64_t wanted : tets) {
+    auto prepared = prepareDomain(project, {.tets = wanted}, run);
+    if (!prepared) return passOn(prepared);
+    auto measured =
+        tissue::measureResolution(prepared->build.domain, out.tissues, tissueOptions(project), run);
+    if (!measured) return passOn(measured);
+    out.cases.push_back(std::move(*measured));
+    if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped between two resolutions");
+  }
+  out.ours = tissue::volumeChange(out.cases, out.tissues, false, kLeastVolume);
+  out.paper = tissue::volumeChange(out.cases, out.tissues, true, kLeastVolume);
+  return out;
+}
+
+Result<std::vector<ScaleCase>> benchScale(const model::Project& project,
+                                          const std::vector<double>& factors, RunContext& run) {
+  if (auto sound = checkProject(project); !sound) return passOn(sound);
+  auto meshes = loadMeshes(project, run);
+  if (!meshes) return passOn(meshes);
+  const auto tissues = curveTissues(project);
+  const auto reference = solve(project, *meshes, 1.0, run);
+  if (!reference) return passOn(reference);
+
+  std::vector<ScaleCase> out;
+  for (const double factor : factors) {
+    const auto solved = solve(project, *meshes, factor, run);
+    if (!solved) return passOn(solved);
+    ScaleCase c;
+    c.factor = factor;
+    c.tets = solved->domain.mesh.T.rows();
+    c.sameTets = solved->domain.mesh.T.rows() == reference->domain.mesh.T.rows() &&
+                 solved->domain.mesh.T == reference->domain.mesh.T;
+    double total = 0.0;
+    double totalBefore = 0.0;
+    for (std::size_t i = 0; i < solved->volume.size(); ++i) {
+      const double before = reference->volume[i];
+      const double now = solved->volume[i] / (factor * factor * factor);
+      const double share = solved->volume[i] / solved->domain.volume;
+      c.shareChange = std::max(c.shareChange, std::abs(share - before / reference->domain.volume));
+      if (i == 0 || tissues[i - 1].filler) continue;
+      total += now;
+      totalBefore += before;
+      const double change = std::abs(now / before - 1.0);
+      if (before < kLeastVolume || !(change > c.largestChange)) continue;
+      c.largestChange = change;
+      c.tissue = i - 1;
+    }
+    c.totalChange = std::abs(total / totalBefore - 1.0);
+    out.push_back(c);
+    if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped between two scales");
+  }
+  return out;
+}
+
+}  // namespace ecorche::engine
