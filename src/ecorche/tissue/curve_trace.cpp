@@ -176,12 +176,12 @@ void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue
   const CurveWalk walk = walker.walk(curve.spline);
   if (walk.pieces.empty()) {
     const Vector3 middle = curve.spline.at(0.5 * curve.spline.lastParameter());
-    job.error = Error{
-        ErrorCode::CurveOutsideDomain,
-        fmt::format("{} lies nowhere between skin and bones (its middle is at ({:.4g}, {:.4g}, "
-                    "{:.4g}) m); move its control points into the flesh",
-                    nameOf(tissue, job.curve), middle.x(), middle.y(), middle.z()),
-        {.object = tissue.name, .point = middle}};
+    job.error =
+        Error{ErrorCode::CurveOutsideDomain,
+              fmt::format(
+                  "{} lies nowhere between skin and bones; move its control points into the flesh",
+                  nameOf(tissue, job.curve)),
+              {.object = tissue.name, .point = middle}};
     return;
   }
   judgeGaps(domain, tissue, walk, job);
