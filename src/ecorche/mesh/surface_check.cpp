@@ -259,4 +259,9 @@ SurfaceCheck checkSurface(const SurfaceMesh& mesh, const SurfaceCheckOptions& op
   return Checker(mesh).run(options);
 }
 
+bool isUncrossed(const SurfaceMesh& mesh) {
+  const SurfaceCheck check = checkSurface(mesh, {.selfIntersections = true});
+  return check.isSound() && check.selfIntersections.value_or(1) == 0;
+}
+
 }  // namespace ecorche::mesh

@@ -62,4 +62,7 @@ struct SurfaceCheck {
 [[nodiscard]] SurfaceCheck checkSurface(const SurfaceMesh& mesh,
                                         const SurfaceCheckOptions& options = {});
 
+/// Sound and free of self-intersections: fit for exact subtraction and for tets.
+[[nodiscard]] bool isUncrossed(const SurfaceMesh& mesh);
+
 }  // namespace ecorche::mesh

@@ -1,0 +1,136 @@
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <ecorche/mesh/cgal_surface.h>
+#include <ecorche/mesh/outer_hull.h>
+#include <ecorche/mesh/surface_check.h>
+#include <ecorche/mesh/surface_query.h>
+#include <ecorche/mesh/surface_topology.h>
+#include <ecorche/mesh/weld.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <vector>
+
+namespace ecorche::mesh {
+
+namespace {
+
+/// Pieces of surface between the lines where it cuts itself: there edges have four faces.
+std::vector<std::int32_t> patchesOf(const Triangles& F) {
+  std::vector<std::int32_t> root(static_cast<std::size_t>(F.rows()));
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int32_t f) {
+    auto& at = root;
+    while (at[static_cast<std::size_t>(f)] != f)
+      f = at[static_cast<std::size_t>(f)] =
+          at[static_cast<std::size_t>(at[static_cast<std::size_t>(f)])];
+    return f;
+  };
+  const SurfaceEdges edges = surfaceEdges(F);
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    if (edges.faceCount(e) != 2) continue;
+    const auto at = static_cast<std::size_t>(edges.first[e]);
+    const std::int32_t a = find(edges.slot[at] / 3);
+    const std::int32_t b = find(edges.slot[at + 1] / 3);
+    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  for (std::size_t f = 0; f < root.size(); ++f) root[f] = find(static_cast<std::int32_t>(f));
+  return root;
+}
+
+/// How often the surface winds around what lies just above a face: half-way to what is met next.
+std::optional<int> windingAbove(const SurfaceQuery& query, const SurfaceMesh& mesh, Eigen::Index f,
+                                double hair) {
+  const Vector3 a = mesh.V.row(mesh.F(f, 0)).transpose();
+  const Vector3 b = mesh.V.row(mesh.F(f, 1)).transpose();
+  const Vector3 c = mesh.V.row(mesh.F(f, 2)).transpose();
+  const Vector3 normal = (b - a).cross(c - a).normalized();
+  const Vector3 middle = (a + b + c) / 3.0;
+  for (const SurfaceQuery::Hit& hit : query.allHits(middle, normal)) {
+    if (hit.t > hair) return query.windingNumber(middle + 0.5 * hit.t * normal);
+  }
+  return 0;
+}
+
+/// Where a fold ends in a vertex, two tips touch in it: each gets a vertex of its own and is drawn
+/// back a little.
+SurfaceMesh withTipsApart(SurfaceMesh mesh) {
+  constexpr double kShare = 0.05;  // of the tip's shortest edge
+  const VertexFans fans = vertexFans(mesh.F, surfaceEdges(mesh.F));
+  for (const std::int32_t tip : fans.nonManifoldVertices) {
+    std::map<std::int32_t, std::vector<std::pair<Eigen::Index, int>>> cornersOfFan;
+    for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+      for (int k = 0; k < 3; ++k) {
+        if (mesh.F(f, k) == tip)
+          cornersOfFan[fans.fanOfCorner[static_cast<std::size_t>(3 * f + k)]].emplace_back(f, k);
+      }
+    }
+    for (const auto& [fan, corners] : cornersOfFan) {
+      const Vector3 at = mesh.V.row(tip).transpose();
+      Vector3 mean = Vector3::Zero();
+      double shortest = std::numeric_limits<double>::infinity();
+      for (const auto& [f, k] : corners) {
+        const Vector3 edge = mesh.V.row(mesh.F(f, (k + 1) % 3)).transpose() - at;
+        mean += edge / static_cast<double>(corners.size());
+        shortest = std::min(shortest, edge.norm());
+      }
+      const auto copy = static_cast<std::int32_t>(mesh.V.rows());
+      mesh.V.conservativeResize(copy + 1, 3);
+      mesh.V.row(copy) = (at + kShare * shortest * mean.normalized()).transpose();
+      for (const auto& [f, k] : corners) mesh.F(f, k) = copy;
+    }
+  }
+  return compacted(mesh);
+}
+
+}  // namespace
+
+std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
+  auto surface = toCgal(mesh);
+  if (!surface) return std::nullopt;
+  try {
+    CGAL::Polygon_mesh_processing::experimental::autorefine(*surface);
+  } catch (const std::exception&) {
+    return std::nullopt;  // faces upon one another
+  }
+  SurfaceMesh refined = weldExact(fromCgal(*surface, mesh.name));
+
+  const std::vector<std::int32_t> patch = patchesOf(refined.F);
+  // The largest face speaks for its patch
+  std::vector<double> largest(patch.size(), -1.0);
+  std::vector<Eigen::Index> speaker(patch.size(), 0);
+  for (Eigen::Index f = 0; f < refined.F.rows(); ++f) {
+    const Vector3 a = refined.V.row(refined.F(f, 0)).transpose();
+    const Vector3 b = refined.V.row(refined.F(f, 1)).transpose();
+    const Vector3 c = refined.V.row(refined.F(f, 2)).transpose();
+    const double area = (b - a).cross(c - a).norm();
+    const auto p = static_cast<std::size_t>(patch[static_cast<std::size_t>(f)]);
+    if (area > largest[p]) {
+      largest[p] = area;
+      speaker[p] = f;
+    }
+  }
+  const SurfaceQuery query(mesh);
+  const double hair = 1e-9 * boundingBox(mesh).diagonal();
+  std::vector<char> kept(patch.size(), 0);
+  for (std::size_t p = 0; p < patch.size(); ++p) {
+    if (largest[p] < 0.0) continue;
+    const auto winding = windingAbove(query, refined, speaker[p], hair);
+    if (!winding) return std::nullopt;
+    // Below its face the surface winds once more than above
+    kept[p] = *winding == 0;
+  }
+  SurfaceMesh out = refined;
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < refined.F.rows(); ++f) {
+    if (kept[static_cast<std::size_t>(patch[static_cast<std::size_t>(f)])] != 0)
+      out.F.row(count++) = refined.F.row(f);
+  }
+  out.F.conservativeResize(count, 3);
+  out = withTipsApart(std::move(out));
+  if (count == 0 || !isUncrossed(out)) return std::nullopt;
+  return out;
+}
+
+}  // namespace ecorche::mesh
