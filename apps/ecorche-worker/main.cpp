@@ -30,6 +30,7 @@ struct Subcommand {
 };
 
 constexpr Subcommand kSubcommands[] = {
+    {"fill", worker::fillSurface},
     {"import", worker::importMesh},
     {"tetrahedralize", worker::tetrahedralizeSurface},
 };

@@ -18,4 +18,8 @@ Result<void> importMesh(const Arguments& arguments);
 /// @errors MeshingFailed (what TetGen refuses, with its reason), OutOfMemory, FileNotWritable
 Result<void> tetrahedralizeSurface(const Arguments& arguments);
 
+/// `fill INPUT OUTPUT`: the same by CGAL Mesh_3, which makes the surface anew. Changes the working folder to OUTPUT's.
+/// @errors MeshingFailed, OutOfMemory, FileNotWritable
+Result<void> fillSurface(const Arguments& arguments);
+
 }  // namespace ecorche::worker

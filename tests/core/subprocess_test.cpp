@@ -8,6 +8,7 @@
 #include <limits>
 #include <thread>
 
+#include "support/environment.h"
 #include "support/paths.h"
 
 using namespace ecorche;
@@ -18,29 +19,6 @@ namespace {
 Result<ProcessEnd> shell(const std::string& script, ProcessOptions options = {}) {
   RunContext run;
   return runProcess("/bin/sh", {"-c", script}, options, run);
-}
-
-// Sets a variable of the environment for one scope.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) old_ = old;
-    setenv(name, value.c_str(), 1);
-  }
-  ~Environment() { old_.empty() ? unsetenv(name_) : setenv(name_, old_.c_str(), 1); }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* name_;
-  std::string old_;
-};
-
-fs::path pretendWorker(const fs::path& folder, const std::string& script) {
-  const fs::path file = folder / "worker";
-  std::ofstream(file) << "#!/bin/sh\n" << script << "\n";
-  fs::permissions(file, fs::perms::owner_all);
-  return file;
 }
 
 }  // namespace
@@ -115,7 +93,7 @@ TEST_CASE("cancelling stops a process") {
 TEST_CASE("a program that is not there is missing") {
   RunContext run;
   CHECK(runProcess("/no/such/program", {}, {}, run).error().code == ErrorCode::WorkerMissing);
-  const Environment worker("ECORCHE_WORKER", "/no/such/worker");
+  const test::Environment worker("ECORCHE_WORKER", "/no/such/worker");
   CHECK(runWorker({}, {}, run).error().code == ErrorCode::WorkerMissing);
 }
 
@@ -123,7 +101,8 @@ TEST_CASE("what a worker reports becomes the error, anything else is a crash") {
   test::TempFolder temp;
   RunContext run;
   const auto answer = [&](const std::string& script) {
-    const Environment worker("ECORCHE_WORKER", pretendWorker(temp.path(), script).string());
+    const test::Environment worker("ECORCHE_WORKER",
+                                   test::pretendWorker(temp.path(), script).string());
     return runWorker({"import"}, {}, run);
   };
   CHECK(answer("exit 0").has_value());
@@ -156,7 +135,7 @@ TEST_CASE("a scratch folder goes with its owner") {
 
 TEST_CASE("scratch folders of killed processes go with the next one, those in use stay") {
   test::TempFolder temp;
-  const Environment here("TMPDIR", temp.path().string());
+  const test::Environment here("TMPDIR", temp.path().string());
   fs::create_directories(temp.path() / "ecorche-scratch-000000" / "deep");
   const auto first = ScratchFolder::create();
   REQUIRE(first);

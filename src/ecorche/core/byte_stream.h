@@ -45,6 +45,9 @@ class ByteReader {
   /// Everything was read, and it fitted.
   [[nodiscard]] bool finished() const { return ok_ && rest_.empty(); }
 
+  /// For who finds that what fits makes no sense.
+  void reject() { ok_ = false; }
+
   template <class T>
   [[nodiscard]] T value() {
     static_assert(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>);

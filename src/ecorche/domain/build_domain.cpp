@@ -1,22 +1,16 @@
-#include <ecorche/core/byte_stream.h>
-#include <ecorche/core/files.h>
 #include <ecorche/core/parallel.h>
-#include <ecorche/core/subprocess.h>
 #include <ecorche/domain/build_domain.h>
 #include <ecorche/domain/carve.h>
 #include <ecorche/domain/deviation.h>
 #include <ecorche/domain/domain_cache.h>
-#include <ecorche/domain/fill_mesh_3.h>
+#include <ecorche/domain/fill_with_tets.h>
 #include <ecorche/domain/finish_domain.h>
 #include <ecorche/domain/interior_points.h>
 #include <ecorche/domain/sizing_field.h>
-#include <ecorche/domain/tet_files.h>
-#include <ecorche/domain/triangle_tree.h>
 #include <ecorche/domain/wall_resampling.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_repair.h>
-#include <ecorche/mesh/surface_topology.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -31,7 +25,6 @@ using mesh::Vector3;
 
 constexpr std::int64_t kDefaultTets = 200000;
 constexpr double kWrapShare = 0.5;  // of the tolerance, for wraps; resampling needs the rest
-constexpr const char* kTetgenSwitches = "pq1.6/10YQ";
 
 struct Prepared {
   CarveInput carve;
@@ -97,67 +90,6 @@ Result<Prepared> prepare(const DomainInput& input, RunContext& run) {
     out.bones += wanted[k].tag.kind == BoundaryTag::Kind::Bone;
   }
   return out;
-}
-
-// A point in every void: TetGen fills whatever a closed wall encloses unless it is told where not
-// to. From the middle of a void's wall straight into it, half-way to the next wall.
-mesh::Positions pointsInVoids(const TaggedSurface& walls) {
-  const mesh::FaceComponents pieces = mesh::components(walls.F);
-  std::vector<double> volume(static_cast<std::size_t>(pieces.count), 0.0);
-  std::vector<double> largest(volume.size(), 0.0);
-  std::vector<Eigen::Index> face(volume.size(), -1);
-  const Vector3 origin = walls.V.colwise().mean().transpose();
-  for (Eigen::Index f = 0; f < walls.F.rows(); ++f) {
-    const auto c = static_cast<std::size_t>(pieces.label[static_cast<std::size_t>(f)]);
-    const Vector3 a = walls.V.row(walls.F(f, 0)).transpose() - origin;
-    const Vector3 b = walls.V.row(walls.F(f, 1)).transpose() - origin;
-    const Vector3 d = walls.V.row(walls.F(f, 2)).transpose() - origin;
-    volume[c] += a.dot(b.cross(d)) / 6.0;
-    const double area = (b - a).cross(d - a).norm();
-    if (area > largest[c]) {
-      largest[c] = area;
-      face[c] = f;
-    }
-  }
-  const TriangleTree tree(walls.V, walls.F);
-  std::vector<Vector3> points;
-  for (std::size_t c = 0; c < volume.size(); ++c) {
-    if (volume[c] >= 0.0 || face[c] < 0) continue;
-    const Vector3 a = walls.V.row(walls.F(face[c], 0)).transpose();
-    const Vector3 b = walls.V.row(walls.F(face[c], 1)).transpose();
-    const Vector3 d = walls.V.row(walls.F(face[c], 2)).transpose();
-    const Vector3 out = (b - a).cross(d - a).normalized();
-    const Vector3 from = (a + b + d) / 3.0;
-    const double edge = std::sqrt(largest[c]);
-    const auto hit = tree.firstHit(from, out, 1e-6 * edge, 1e3 * edge);
-    if (hit) points.push_back(from + 0.5 * *hit * out);
-  }
-  mesh::Positions holes(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    holes.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
-  return holes;
-}
-
-Result<TetAnswer> runTetgen(const TaggedSurface& walls, const mesh::Positions& points,
-                            const DomainOptions& options, RunContext& run) {
-  const Stage stage(run, "domain: tets");
-  auto scratch = ScratchFolder::create();
-  if (!scratch) return passOn(scratch);
-  TetRequest request;
-  request.surface = walls;
-  request.points = points;
-  request.holes = pointsInVoids(walls);
-  request.switches = kTetgenSwitches;
-  const auto in = scratch->path() / "request";
-  const auto out = scratch->path() / "answer";
-  if (auto written = writeFileWhole(in, encodeTetRequest(request)); !written)
-    return passOn(written);
-  auto done = runWorker({"tetrahedralize", in.string(), out.string()},
-                        {.timeout = options.workerTimeout}, run);
-  if (!done) return passOn(done);
-  auto bytes = readFile(out);
-  if (!bytes) return passOn(bytes);
-  return decodeTetAnswer(*bytes);
 }
 
 /// As many tets as a lattice of this mean edge has in the volume.
@@ -247,8 +179,7 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   auto prepared = prepare(input, run);
   if (!prepared) return passOn(prepared);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while repairing meshes");
-  const mesh::Box skinBox = mesh::boundingBox(prepared->carve.skin);
-  const double diagonal = skinBox.diagonal();
+  const double diagonal = mesh::boundingBox(prepared->carve.skin).diagonal();
   const double tolerance = options.surfaceToleranceRel * diagonal;
   out.report.tolerance = tolerance;
   out.report.findings = std::move(cacheFindings);
@@ -295,48 +226,23 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   scale = filling->scale;
 
   // 6. Tets
-  auto answer = runTetgen(walls, points, options, run);
-  const TaggedSurface* filled = &walls;
-  out.report.mesher = "TetGen";
-  const auto refused = [&] {
-    return !answer && (answer.error().code == ErrorCode::MeshingFailed ||
-                       answer.error().code == ErrorCode::WorkerCrashed);
-  };
-  if (refused()) {
-    out.report.findings.push_back(
-        {.severity = Severity::Warning,
-         .kind = "mesher-refused",
-         .object = "domain",
-         .message = fmt::format(
-             "TetGen refused the resampled walls ({}); it was given walls at their full density",
-             answer.error().message)});
-    answer = runTetgen(carved->surface, points, options, run);
-    filled = &carved->surface;
-  }
-  if (refused()) {
-    out.report.mesher = "CGAL Mesh_3";
-    out.report.fallback = true;
-    out.report.fallbackReason = answer.error().message;
-    out.report.findings.push_back(
-        {.severity = Severity::Warning,
-         .kind = "fallback",
-         .object = "domain",
-         .message = fmt::format(
-             "TetGen refused the domain ({}); it was filled by CGAL Mesh_3, which makes the "
-             "surface anew and rounds its edges",
-             out.report.fallbackReason)});
-    answer = fillByMesh3(
-        carved->surface, prepared->carve.cutPlanes,
-        [&](const Vector3& p) { return scale * sizing->at(p); }, 0.5 * tolerance, run);
-  }
-  if (!answer) return passOn(answer);
-
-  // 7. Verify
   Domain frame;
   for (const auto& bone : input.bones) frame.boneNames.push_back(bone.name);
   for (const auto& plane : input.cutPlanes) frame.cutPlaneNames.push_back(plane.name);
   frame.skinDiagonal = diagonal;
-  auto domain = finishDomain(std::move(*answer), *filled, std::move(frame), out.report, run);
+  const FillTask task{walls,   points, carved->surface, prepared->carve.cutPlanes, frame.boneNames,
+                      *sizing, scale,  tolerance,       options.workerTimeout};
+  auto tets = fillWithTets(task, run);
+  if (!tets) return passOn(tets);
+  out.report.mesher = tets->mesher;
+  out.report.fallback = tets->fallback;
+  out.report.fallbackReason = tets->fallbackReason;
+  out.report.findings.insert(out.report.findings.end(), tets->findings.begin(),
+                             tets->findings.end());
+  const TaggedSurface& filled = tets->ofWalls ? walls : carved->surface;
+
+  // 7. Verify
+  auto domain = finishDomain(std::move(tets->tets), filled, std::move(frame), out.report, run);
   if (!domain) return passOn(domain);
   out.domain = std::move(*domain);
   out.report.deviations = measureDeviations(out.domain, *carved, prepared->carve, tolerance, run);

@@ -4,8 +4,10 @@
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/exceptions.h>
 #include <CGAL/make_mesh_3.h>
 #include <ecorche/domain/fill_mesh_3.h>
+#include <ecorche/domain/resample.h>
 #include <ecorche/domain/triangle_tree.h>
 #include <fmt/format.h>
 
@@ -28,9 +30,11 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 constexpr double kRidgeDeg = 40.0;
 constexpr double kSliverBoundDeg = 8.0;  // no limit of time: the same tets every time
 
-// Mesh_3 asks for circumradii: of a regular tet and of a regular triangle of edge 1
-constexpr double kTetRadius = 0.612;
-constexpr double kTriangleRadius = 0.577;
+// Mesh_3 asks for circumradii, of a regular tet and of a regular triangle of edge 1; it takes them
+// for bounds, and its tets come out smaller by this much on average (measured on balls)
+constexpr double kSlack = 1.37;
+constexpr double kTetRadius = 0.612 * kSlack;
+constexpr double kTriangleRadius = 0.577 * kSlack;
 
 /// The wanted length times a factor, in the form that Mesh_3 asks for it.
 struct Size {
@@ -117,20 +121,20 @@ void tagFaces(TetAnswer& answer, const TaggedSurface& surface,
 
 }  // namespace
 
-Result<TetAnswer> fillByMesh3(const TaggedSurface& surface, const std::vector<CutPlane>& cutPlanes,
-                              const LengthField& edgeLength, double tolerance, RunContext& run) {
-  const Stage stage(run, "domain: Mesh_3");
-  if (run.cancelled()) return fail(ErrorCode::Cancelled, "filling the domain");
+Result<TetAnswer> fillByMesh3(const FillRequest& request) {
   try {
     // The same random numbers every time
     CGAL::get_default_random() = CGAL::Random(0);
-    const Mesh mesh = toMesh(surface);
+    const LengthField edgeLength = [&](const Vector3& p) {
+      return request.scale * request.sizing.at(p);
+    };
+    const Mesh mesh = toMesh(request.surface);
     MeshDomain domain(mesh);
     domain.detect_features(kRidgeDeg);
     namespace params = CGAL::parameters;
     const Criteria criteria(params::edge_size = Size{&edgeLength, 1.0}, params::facet_angle = 25.0,
                             params::facet_size = Size{&edgeLength, kTriangleRadius},
-                            params::facet_distance = 0.4 * tolerance,
+                            params::facet_distance = 0.4 * request.tolerance,
                             params::cell_radius_edge_ratio = 2.0,
                             params::cell_size = Size{&edgeLength, kTetRadius});
     const Complex complex =
@@ -140,8 +144,15 @@ Result<TetAnswer> fillByMesh3(const TaggedSurface& surface, const std::vector<Cu
       return fail(ErrorCode::MeshingFailed, "CGAL Mesh_3 found no inside");
     }
     TetAnswer answer = toAnswer(complex);
-    tagFaces(answer, surface, cutPlanes);
+    tagFaces(answer, request.surface, request.cutPlanes);
     return answer;
+  } catch (const CGAL::Failure_exception& e) {
+    // Its what() is a page with paths of the machine it was built on
+    const auto slash = e.filename().find_last_of('/');
+    return fail(ErrorCode::MeshingFailed,
+                fmt::format("CGAL Mesh_3 gave up at {}:{}",
+                            e.filename().substr(slash == std::string::npos ? 0 : slash + 1),
+                            e.line_number()));
   } catch (const std::exception& e) {
     return fail(ErrorCode::MeshingFailed, fmt::format("CGAL Mesh_3 gave up: {}", e.what()));
   }

@@ -88,6 +88,30 @@ double SizingField::at(const Vector3& p) const {
   return sum;
 }
 
+void SizingField::write(ByteWriter& out) const {
+  out.matrix(box_.lo);
+  out.matrix(box_.hi);
+  out.matrix(count_);
+  out.value(cell_);
+  out.matrix(
+      Eigen::Map<const Eigen::VectorXd>(value_.data(), static_cast<Eigen::Index>(value_.size())));
+}
+
+SizingField SizingField::read(ByteReader& in) {
+  SizingField field;
+  field.box_.lo = in.matrix<Vector3>();
+  field.box_.hi = in.matrix<Vector3>();
+  field.count_ = in.matrix<Eigen::Array3i>();
+  field.cell_ = in.value<double>();
+  const auto values = in.matrix<Eigen::VectorXd>();
+  field.value_.assign(values.data(), values.data() + values.size());
+  const bool sane = (field.count_ >= 2).all() && (field.count_ < (1 << 20)).all() &&
+                    field.count_.cast<std::int64_t>().prod() == values.size() &&
+                    field.cell_ > 0.0;
+  if (!sane) in.reject();
+  return field;
+}
+
 std::vector<SizingField::Source> sizingSources(const std::vector<SizingCurve>& curves,
                                                const TaggedSurface& walls, double finest,
                                                double coarsest) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ecorche/core/byte_stream.h>
 #include <ecorche/domain/build_domain.h>
 #include <ecorche/domain/tagged_surface.h>
 
@@ -17,6 +18,7 @@ class SizingField {
     double length = 0.0;                          ///< [m]
   };
 
+  SizingField() = default;  ///< of an empty box: no length at all, anywhere
   /// @param coarsest   nowhere longer than this [m]
   /// @param gradation  how fast lengths grow with distance [unitless, >= 0]
   SizingField(const mesh::Box& box, const std::vector<Source>& sources, double coarsest,
@@ -25,9 +27,13 @@ class SizingField {
   [[nodiscard]] double at(const mesh::Vector3& p) const;  ///< [m]
   [[nodiscard]] const mesh::Box& box() const { return box_; }
 
+  void write(ByteWriter& out) const;
+  /// Any bytes are safe to read; where they are no field, `in` is not ok() any more.
+  [[nodiscard]] static SizingField read(ByteReader& in);
+
  private:
   mesh::Box box_;
-  Eigen::Array3i count_;
+  Eigen::Array3i count_ = Eigen::Array3i::Zero();
   double cell_ = 1.0;
   std::vector<double> value_;
 
