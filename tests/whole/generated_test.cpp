@@ -1,7 +1,7 @@
 // The whole way, from files to files, over anatomies made by chance.
 //
 //   ECORCHE_CASES=2000  how many (25)
-//   ECORCHE_SEED=17     the first one's seed (16); with ECORCHE_CASES=1 it repeats one case
+//   ECORCHE_SEED=17     the first one's seed (1); with ECORCHE_CASES=1 it repeats one case
 //   ECORCHE_KEEP=DIR    leaves project, meshes and output of failing cases there, and of a single
 //   one
 
@@ -93,7 +93,7 @@ void keep(const fs::path& folder, std::uint64_t seed) {
 
 TEST_CASE("every generated anatomy is built whole, or refused with a reason") {
   const std::uint64_t cases = fromEnvironment("ECORCHE_CASES", 25);
-  const std::uint64_t first = fromEnvironment("ECORCHE_SEED", 16);
+  const std::uint64_t first = fromEnvironment("ECORCHE_SEED", 1);
   const bool asked = std::getenv("ECORCHE_CASES") != nullptr;  // long runs show where they are
   std::map<std::string, int> ends;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {

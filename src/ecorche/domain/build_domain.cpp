@@ -8,9 +8,12 @@
 #include <ecorche/domain/interior_points.h>
 #include <ecorche/domain/sizing_field.h>
 #include <ecorche/domain/wall_resampling.h>
+#include <ecorche/mesh/outer_hull.h>
+#include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_repair.h>
+#include <ecorche/mesh/uncross.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -41,12 +44,50 @@ bool beyondAPlane(const mesh::SurfaceMesh& mesh, const std::vector<CutPlane>& pl
   });
 }
 
+/// A closed surface that cuts itself is taken for what it encloses, exactly where that works;
+/// otherwise its crossings are smoothed away where that moves nothing further than allowed.
+/// @return  whether it is fit for exact subtraction now
+bool mendCrossings(mesh::RepairedSurface& surface, double allowed, RunContext& run) {
+  mesh::SurfaceMesh& mesh = surface.mesh;
+  if (!mesh::checkSurface(mesh).isSound()) return false;
+  const auto crossings = mesh::selfIntersections(mesh.V, mesh.F);
+  if (crossings.empty()) return true;
+  const Vector3 place = mesh.V.row(mesh.F(crossings.front().first, 0)).transpose();
+  std::optional<mesh::SurfaceMesh> mended = mesh::outerHull(mesh);
+  std::string done = "what it encloses was kept";
+  if (!mended) {
+    mended = mesh::uncross(mesh);
+    if (!mended) return false;
+    const auto apart = mesh::surfaceDeviation(mesh, *mended, allowed, run);
+    if (!apart || apart->max() > allowed) return false;
+    done = fmt::format("smoothed there by up to {:.2g} mm", apart->max() * 1e3);
+  }
+  mesh = std::move(*mended);
+  surface.findings.push_back({.severity = Severity::Repaired,
+                              .kind = "self-intersections",
+                              .object = mesh.name,
+                              .message = fmt::format("\"{}\" cut itself in {} pairs of faces; {}",
+                                                     mesh.name, crossings.size(), done),
+                              .point = place,
+                              .size = static_cast<double>(crossings.size())});
+  return true;
+}
+
 // Steps 1 and 2: check, repair what is certain
-Result<Prepared> prepare(const DomainInput& input, RunContext& run) {
+Result<Prepared> prepare(const DomainInput& input, double toleranceRel, RunContext& run) {
   const Stage stage(run, "domain: check and repair");
   Prepared out;
   auto skin = mesh::repairSurface(input.skin, {.mustClose = true}, run);
   if (!skin) return passOn(skin);
+  const double allowed = kWrapShare * toleranceRel * mesh::boundingBox(skin->mesh).diagonal();
+  if (!mendCrossings(*skin, allowed, run)) {
+    skin->findings.push_back(
+        {.severity = Severity::Warning,
+         .kind = "self-intersections",
+         .object = skin->mesh.name,
+         .message = "the skin cuts itself, and nothing certain could be done about it; the domain "
+                    "may be refused for that"});
+  }
   out.findings = std::move(skin->findings);
   out.carve.skin = std::move(skin->mesh);
   out.carve.cutPlanes = input.cutPlanes;
@@ -76,9 +117,7 @@ Result<Prepared> prepare(const DomainInput& input, RunContext& run) {
         }
         repaired[k] = mesh::repairSurface(*wanted[k].mesh, {}, run);
         if (!repaired[k]) return;
-        const mesh::SurfaceCheck check =
-            mesh::checkSurface(repaired[k]->mesh, {.selfIntersections = true});
-        fit[k] = check.isSound() && check.selfIntersections.value_or(0) == 0;
+        fit[k] = mendCrossings(*repaired[k], allowed, run);
       },
       1);
   for (std::size_t k = 0; k < wanted.size(); ++k) {
@@ -176,7 +215,7 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   }
 
   // 1, 2. Check and repair
-  auto prepared = prepare(input, run);
+  auto prepared = prepare(input, options.surfaceToleranceRel, run);
   if (!prepared) return passOn(prepared);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while repairing meshes");
   const double diagonal = mesh::boundingBox(prepared->carve.skin).diagonal();
