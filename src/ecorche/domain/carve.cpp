@@ -331,11 +331,13 @@ class Carver {
       items_.push_back(std::move(item));
     }
     if (boneCount > 0 && outsideCount == boneCount) {
-      return fail(ErrorCode::BonesOutsideSkin,
-                  fmt::format("all {} bones lie outside the skin; check the units and the frame of "
-                              "skin and bones",
-                              boneCount),
-                  {.object = input_.skin.name, .point = out_.findings.back().point});
+      return fail(
+          ErrorCode::BonesOutsideSkin,
+          fmt::format("{} outside the skin; check the units and the frame of skin and bones",
+                      boneCount == 1
+                          ? fmt::format("the only bone, \"{}\", lies", out_.leftOut.back())
+                          : fmt::format("all {} bones lie", boneCount)),
+          {.object = input_.skin.name, .point = out_.findings.back().point});
     }
     return {};
   }
