@@ -73,7 +73,8 @@ MUSCLES = [
     one("gluteus_profundus", "rump", 0, "MUSCm.gluteus_profundus_minor_L.stl", End(PELVIS), End(FEMUR), 4),
     one("tensor_fasciae_latae", "rump", 2, "MUSCm_tensor_f.latae_L.stl", End(PELVIS),
         End("free", "vastus_lat_ander_fascia_lata_L"), 4),  # ends in the fascia lata, which we do not have
-    one("obturatorius_internus", "hip", 0, "MUSCm.obturatorius_int_L.stl", End(PELVIS), End(FEMUR), 4),
+    one("obturatorius_internus", "hip", 0, "MUSCm.obturatorius_int_L.stl", End(PELVIS), End(FEMUR), 4,
+        via=(0, 0.01, 0)),  # round the ischium in a bend, not in a kink at the median plane
     one("obturatorius_externus", "hip", 0, "MUSCm.obturatorius_ext_L.stl", End(PELVIS), End(FEMUR), 4),
     one("gemelli", "hip", 0, "MUSCm.gemellus_L.stl", End(PELVIS), End(FEMUR), 4),
     one("quadratus_femoris", "hip", 0, "MUSCm.quadratus_femoris_L.stl", End(PELVIS), End(FEMUR), 4),
