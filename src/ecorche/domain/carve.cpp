@@ -1,13 +1,11 @@
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/intersection.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Side_of_triangle_mesh.h>
-#include <CGAL/Surface_mesh.h>
 #include <ecorche/domain/carve.h>
 #include <ecorche/domain/wrap.h>
-#include <ecorche/mesh/surface_mesh.h>
+#include <ecorche/mesh/cgal_surface.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -22,9 +20,9 @@ namespace ecorche::domain {
 namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Kernel = mesh::CgalKernel;
 using Point = Kernel::Point_3;
-using Mesh = CGAL::Surface_mesh<Point>;
+using Mesh = mesh::CgalSurface;
 using TagMap = Mesh::Property_map<Mesh::Face_index, std::int32_t>;
 using Inside = CGAL::Side_of_triangle_mesh<Mesh, Kernel>;
 
@@ -32,51 +30,20 @@ TagMap tagsOf(Mesh& mesh) {
   return mesh.add_property_map<Mesh::Face_index, std::int32_t>("f:tag", 0).first;
 }
 
-/// Faces of a mesh that is not a manifold are refused.
+/// Nothing for what is not an oriented manifold.
 std::optional<Mesh> toCgal(const TaggedSurface& surface) {
-  Mesh mesh;
-  TagMap tags = tagsOf(mesh);
-  mesh.reserve(static_cast<Mesh::size_type>(surface.V.rows()),
-               static_cast<Mesh::size_type>(surface.F.rows()) * 3 / 2,
-               static_cast<Mesh::size_type>(surface.F.rows()));
-  for (Eigen::Index v = 0; v < surface.V.rows(); ++v) {
-    mesh.add_vertex(Point(surface.V(v, 0), surface.V(v, 1), surface.V(v, 2)));
-  }
-  const auto vertex = [](std::int32_t v) {
-    return Mesh::Vertex_index(static_cast<Mesh::size_type>(v));
-  };
-  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    const auto face =
-        mesh.add_face(vertex(surface.F(f, 0)), vertex(surface.F(f, 1)), vertex(surface.F(f, 2)));
-    if (face == Mesh::null_face()) return std::nullopt;
-    tags[face] = surface.tag[static_cast<std::size_t>(f)];
-  }
-  // Vertices that no face uses are no part of the surface
-  for (const auto v : mesh.vertices()) {
-    if (mesh.is_isolated(v)) mesh.remove_vertex(v);
-  }
-  if (mesh.has_garbage()) mesh.collect_garbage();
+  auto mesh = mesh::toCgal({.V = surface.V, .F = surface.F});
+  if (!mesh) return std::nullopt;
+  TagMap tags = tagsOf(*mesh);
+  for (const auto f : mesh->faces()) tags[f] = surface.tag[f.idx()];
   return mesh;
 }
 
 TaggedSurface fromCgal(Mesh& mesh) {
-  if (mesh.has_garbage()) mesh.collect_garbage();
+  mesh::SurfaceMesh plain = mesh::fromCgal(mesh, {});
   TagMap tags = tagsOf(mesh);
-  TaggedSurface out;
-  out.V.resize(static_cast<Eigen::Index>(mesh.number_of_vertices()), 3);
-  out.F.resize(static_cast<Eigen::Index>(mesh.number_of_faces()), 3);
-  out.tag.reserve(mesh.number_of_faces());
-  for (const auto v : mesh.vertices()) {
-    const Point& p = mesh.point(v);
-    out.V.row(static_cast<Eigen::Index>(v.idx())) << p.x(), p.y(), p.z();
-  }
-  for (const auto f : mesh.faces()) {
-    int k = 0;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
-      out.F(static_cast<Eigen::Index>(f.idx()), k++) = static_cast<std::int32_t>(v.idx());
-    }
-    out.tag.push_back(tags[f]);
-  }
+  TaggedSurface out{std::move(plain.V), std::move(plain.F), {}};
+  for (const auto f : mesh.faces()) out.tag.push_back(tags[f]);
   return out;
 }
 

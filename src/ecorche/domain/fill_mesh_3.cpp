@@ -1,14 +1,13 @@
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/exceptions.h>
 #include <CGAL/make_mesh_3.h>
 #include <ecorche/domain/fill_mesh_3.h>
 #include <ecorche/domain/resample.h>
 #include <ecorche/domain/triangle_tree.h>
+#include <ecorche/mesh/cgal_surface.h>
 #include <fmt/format.h>
 
 #include <array>
@@ -19,9 +18,8 @@ namespace ecorche::domain {
 namespace {
 
 using mesh::Vector3;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using MeshDomain = CGAL::Polyhedral_mesh_domain_with_features_3<Kernel, Mesh>;
+using Kernel = mesh::CgalKernel;
+using MeshDomain = CGAL::Polyhedral_mesh_domain_with_features_3<Kernel, mesh::CgalSurface>;
 using Triangulation = CGAL::Mesh_triangulation_3<MeshDomain>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, MeshDomain::Corner_index,
                                                         MeshDomain::Curve_index>;
@@ -48,21 +46,6 @@ struct Size {
     return factor * (*length)(Vector3(p.x(), p.y(), p.z()));
   }
 };
-
-Mesh toMesh(const TaggedSurface& surface) {
-  Mesh mesh;
-  std::vector<Mesh::Vertex_index> vertex;
-  for (Eigen::Index v = 0; v < surface.V.rows(); ++v) {
-    vertex.push_back(
-        mesh.add_vertex(Kernel::Point_3(surface.V(v, 0), surface.V(v, 1), surface.V(v, 2))));
-  }
-  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    mesh.add_face(vertex[static_cast<std::size_t>(surface.F(f, 0))],
-                  vertex[static_cast<std::size_t>(surface.F(f, 1))],
-                  vertex[static_cast<std::size_t>(surface.F(f, 2))]);
-  }
-  return mesh;
-}
 
 TetAnswer toAnswer(const Complex& complex) {
   TetAnswer answer;
@@ -128,8 +111,9 @@ Result<TetAnswer> fillByMesh3(const FillRequest& request) {
     const LengthField edgeLength = [&](const Vector3& p) {
       return request.scale * request.sizing.at(p);
     };
-    const Mesh mesh = toMesh(request.surface);
-    MeshDomain domain(mesh);
+    const auto mesh = mesh::toCgal({.V = request.surface.V, .F = request.surface.F});
+    if (!mesh) return fail(ErrorCode::MeshingFailed, "the walls are no manifold surface");
+    MeshDomain domain(*mesh);
     domain.detect_features(kRidgeDeg);
     namespace params = CGAL::parameters;
     const Criteria criteria(params::edge_size = Size{&edgeLength, 1.0}, params::facet_angle = 25.0,

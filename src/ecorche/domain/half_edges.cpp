@@ -81,6 +81,14 @@ bool HalfEdges::adjacent(std::int32_t v, std::int32_t w) const {
   return found;
 }
 
+void HalfEdges::setLoop(std::int32_t x, std::int32_t y, std::int32_t z, std::int32_t f) {
+  next_[at(x)] = y;
+  next_[at(y)] = z;
+  next_[at(z)] = x;
+  face_[at(x)] = face_[at(y)] = face_[at(z)] = f;
+  side_[at(f)] = x;
+}
+
 // h: a→b with apex c, its opposite o: b→a with apex d
 HalfEdges::Split HalfEdges::split(std::int32_t h) {
   const std::int32_t o = opposite(h);
@@ -104,17 +112,10 @@ HalfEdges::Split HalfEdges::split(std::int32_t h) {
 
   to_[at(h)] = m;
   out_[at(b)] = e + 1;
-  const auto loop = [&](std::int32_t x, std::int32_t y, std::int32_t z, std::int32_t f) {
-    next_[at(x)] = y;
-    next_[at(y)] = z;
-    next_[at(z)] = x;
-    face_[at(x)] = face_[at(y)] = face_[at(z)] = f;
-    side_[at(f)] = x;
-  };
-  loop(h, g, p0, face(h));
-  loop(o, m0, k + 1, face(o));
-  loop(e, n0, g + 1, f2);
-  loop(e + 1, k, q0, f3);
+  setLoop(h, g, p0, face(h));
+  setLoop(o, m0, k + 1, face(o));
+  setLoop(e, n0, g + 1, f2);
+  setLoop(e + 1, k, q0, f3);
   return {m, e};
 }
 
@@ -178,15 +179,8 @@ void HalfEdges::flip(std::int32_t h) {
   out_[at(b)] = n0;
   to_[at(h)] = c;
   to_[at(o)] = d;
-  const auto loop = [&](std::int32_t x, std::int32_t y, std::int32_t z, std::int32_t f) {
-    next_[at(x)] = y;
-    next_[at(y)] = z;
-    next_[at(z)] = x;
-    face_[at(x)] = face_[at(y)] = face_[at(z)] = f;
-    side_[at(f)] = x;
-  };
-  loop(h, p0, m0, face(h));
-  loop(o, q0, n0, face(o));
+  setLoop(h, p0, m0, face(h));
+  setLoop(o, q0, n0, face(o));
 }
 
 TaggedSurface HalfEdges::toSurface(const std::vector<mesh::Vector3>& positions) const {

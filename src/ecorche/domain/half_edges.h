@@ -64,6 +64,8 @@ class HalfEdges {
   [[nodiscard]] TaggedSurface toSurface(const std::vector<mesh::Vector3>& positions) const;
 
  private:
+  /// Half-edges x, y, z become the sides of face f, in this order.
+  void setLoop(std::int32_t x, std::int32_t y, std::int32_t z, std::int32_t f);
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   std::vector<std::int32_t> to_, next_, face_;  // per half-edge

@@ -149,26 +149,33 @@ TriangleTree::Closest TriangleTree::closest(const Vector3& p, double limit2) con
   return best;
 }
 
-bool TriangleTree::within(const Vector3& p, double r) const {
-  if (empty()) return false;
-  const double r2 = r * r;
+template <class Wanted, class Done>
+bool TriangleTree::visit(const Wanted& wanted, const Done& done) const {
   std::array<std::int32_t, 64> stack;
   std::size_t top = 0;
   stack[top++] = 0;
   while (top > 0) {
     const Node& node = nodes_[static_cast<std::size_t>(stack[--top])];
-    if (boxDistance2(node.lo, node.hi, p) > r2) continue;
+    if (!wanted(node)) continue;
     if (node.count == 0) {
       stack[top++] = node.first + 1;
       stack[top++] = node.first;
       continue;
     }
     for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
-      const Triangle& t = triangles_[static_cast<std::size_t>(i)];
-      if ((closestOnTriangle(p, t.a, t.b, t.c) - p).squaredNorm() <= r2) return true;
+      if (done(triangles_[static_cast<std::size_t>(i)])) return true;
     }
   }
   return false;
+}
+
+bool TriangleTree::within(const Vector3& p, double r) const {
+  if (empty()) return false;
+  const double r2 = r * r;
+  return visit([&](const Node& node) { return boxDistance2(node.lo, node.hi, p) <= r2; },
+               [&](const Triangle& t) {
+                 return (closestOnTriangle(p, t.a, t.b, t.c) - p).squaredNorm() <= r2;
+               });
 }
 
 std::optional<double> TriangleTree::firstHit(const Vector3& origin, const Vector3& direction,
@@ -180,40 +187,32 @@ std::optional<double> TriangleTree::firstHit(const Vector3& origin, const Vector
                                      .inverse();
   double best = tMax;
   bool found = false;
-  std::array<std::int32_t, 64> stack;
-  std::size_t top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Node& node = nodes_[static_cast<std::size_t>(stack[--top])];
-    const Eigen::Array3d t0 = (node.lo - origin.array()) * inverse;
-    const Eigen::Array3d t1 = (node.hi - origin.array()) * inverse;
-    if (t0.min(t1).maxCoeff() > best || t0.max(t1).minCoeff() < tMin) continue;
-    if (node.count == 0) {
-      stack[top++] = node.first + 1;
-      stack[top++] = node.first;
-      continue;
-    }
-    for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
-      // [Möller & Trumbore 1997]
-      const Triangle& t = triangles_[static_cast<std::size_t>(i)];
-      const Vector3 e1 = t.b - t.a;
-      const Vector3 e2 = t.c - t.a;
-      const Vector3 h = direction.cross(e2);
-      const double det = e1.dot(h);
-      if (det == 0.0) continue;
-      const Vector3 s = origin - t.a;
-      const double u = s.dot(h) / det;
-      if (u < 0.0 || u > 1.0) continue;
-      const Vector3 q = s.cross(e1);
-      const double v = direction.dot(q) / det;
-      if (v < 0.0 || u + v > 1.0) continue;
-      const double hit = e2.dot(q) / det;
-      if (hit > tMin && hit < best) {
-        best = hit;
-        found = true;
-      }
-    }
-  }
+  visit(
+      [&](const Node& node) {
+        const Eigen::Array3d t0 = (node.lo - origin.array()) * inverse;
+        const Eigen::Array3d t1 = (node.hi - origin.array()) * inverse;
+        return t0.min(t1).maxCoeff() <= best && t0.max(t1).minCoeff() >= tMin;
+      },
+      [&](const Triangle& t) {
+        // [Möller & Trumbore 1997]
+        const Vector3 e1 = t.b - t.a;
+        const Vector3 e2 = t.c - t.a;
+        const Vector3 h = direction.cross(e2);
+        const double det = e1.dot(h);
+        if (det == 0.0) return false;
+        const Vector3 s = origin - t.a;
+        const double u = s.dot(h) / det;
+        if (u < 0.0 || u > 1.0) return false;
+        const Vector3 q = s.cross(e1);
+        const double v = direction.dot(q) / det;
+        if (v < 0.0 || u + v > 1.0) return false;
+        const double hit = e2.dot(q) / det;
+        if (hit > tMin && hit < best) {
+          best = hit;
+          found = true;
+        }
+        return false;
+      });
   if (!found) return std::nullopt;
   return best;
 }

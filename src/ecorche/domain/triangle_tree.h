@@ -43,6 +43,9 @@ class TriangleTree {
     std::int32_t count = 0;  // of triangles; 0: inner node
   };
   void build(std::int32_t node, std::int32_t begin, std::int32_t end);
+  /// Triangles in the boxes that are wanted(), until done() says so. Not for an empty tree.
+  template <class Wanted, class Done>
+  bool visit(const Wanted& wanted, const Done& done) const;
 
   std::vector<Triangle> triangles_;
   std::vector<std::int32_t> slotOfRow_;

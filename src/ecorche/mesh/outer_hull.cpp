@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <vector>
 
 namespace ecorche::mesh {
@@ -17,26 +16,18 @@ namespace ecorche::mesh {
 namespace {
 
 /// Pieces of surface between the lines where it cuts itself: there edges have four faces.
-std::vector<std::int32_t> patchesOf(const Triangles& F) {
-  std::vector<std::int32_t> root(static_cast<std::size_t>(F.rows()));
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t f) {
-    auto& at = root;
-    while (at[static_cast<std::size_t>(f)] != f)
-      f = at[static_cast<std::size_t>(f)] =
-          at[static_cast<std::size_t>(at[static_cast<std::size_t>(f)])];
-    return f;
-  };
-  const SurfaceEdges edges = surfaceEdges(F);
-  for (std::size_t e = 0; e < edges.count(); ++e) {
-    if (edges.faceCount(e) != 2) continue;
-    const auto at = static_cast<std::size_t>(edges.first[e]);
-    const std::int32_t a = find(edges.slot[at] / 3);
-    const std::int32_t b = find(edges.slot[at + 1] / 3);
-    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+FaceComponents patchesOf(const Triangles& F) {
+  const SurfaceEdges all = surfaceEdges(F);
+  SurfaceEdges within;
+  within.first.push_back(0);
+  for (std::size_t e = 0; e < all.count(); ++e) {
+    if (all.faceCount(e) != 2) continue;
+    within.ends.push_back(all.ends[e]);
+    const auto at = static_cast<std::size_t>(all.first[e]);
+    within.slot.insert(within.slot.end(), {all.slot[at], all.slot[at + 1]});
+    within.first.push_back(static_cast<std::int32_t>(within.slot.size()));
   }
-  for (std::size_t f = 0; f < root.size(); ++f) root[f] = find(static_cast<std::int32_t>(f));
-  return root;
+  return components(F, within);
 }
 
 /// How often the surface winds around what lies just above a face: half-way to what is met next.
@@ -96,16 +87,19 @@ std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
   }
   SurfaceMesh refined = weldExact(fromCgal(*surface, mesh.name));
 
-  const std::vector<std::int32_t> patch = patchesOf(refined.F);
+  const FaceComponents patches = patchesOf(refined.F);
+  const auto patchOf = [&](Eigen::Index f) {
+    return static_cast<std::size_t>(patches.label[static_cast<std::size_t>(f)]);
+  };
   // The largest face speaks for its patch
-  std::vector<double> largest(patch.size(), -1.0);
-  std::vector<Eigen::Index> speaker(patch.size(), 0);
+  std::vector<double> largest(static_cast<std::size_t>(patches.count), -1.0);
+  std::vector<Eigen::Index> speaker(largest.size(), 0);
   for (Eigen::Index f = 0; f < refined.F.rows(); ++f) {
     const Vector3 a = refined.V.row(refined.F(f, 0)).transpose();
     const Vector3 b = refined.V.row(refined.F(f, 1)).transpose();
     const Vector3 c = refined.V.row(refined.F(f, 2)).transpose();
     const double area = (b - a).cross(c - a).norm();
-    const auto p = static_cast<std::size_t>(patch[static_cast<std::size_t>(f)]);
+    const std::size_t p = patchOf(f);
     if (area > largest[p]) {
       largest[p] = area;
       speaker[p] = f;
@@ -113,9 +107,8 @@ std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
   }
   const SurfaceQuery query(mesh);
   const double hair = 1e-9 * boundingBox(mesh).diagonal();
-  std::vector<char> kept(patch.size(), 0);
-  for (std::size_t p = 0; p < patch.size(); ++p) {
-    if (largest[p] < 0.0) continue;
+  std::vector<char> kept(largest.size(), 0);
+  for (std::size_t p = 0; p < kept.size(); ++p) {
     const auto winding = windingAbove(query, refined, speaker[p], hair);
     if (!winding) return std::nullopt;
     // Below its face the surface winds once more than above
@@ -124,8 +117,7 @@ std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
   SurfaceMesh out = refined;
   Eigen::Index count = 0;
   for (Eigen::Index f = 0; f < refined.F.rows(); ++f) {
-    if (kept[static_cast<std::size_t>(patch[static_cast<std::size_t>(f)])] != 0)
-      out.F.row(count++) = refined.F.row(f);
+    if (kept[patchOf(f)] != 0) out.F.row(count++) = refined.F.row(f);
   }
   out.F.conservativeResize(count, 3);
   out = withTipsApart(std::move(out));
