@@ -212,13 +212,10 @@ std::vector<double> curveSharesInside(const Build& build) {
       std::ssize(build.tissues),
       [&](std::int64_t i) {
         const auto at = static_cast<std::size_t>(i);
-        double length = 0.0;
-        for (const tissue::TissueCurve& curve : build.tissues[at].curves) {
-          const auto line = curve.spline.sample(curve.spline.length() / 200).point;
-          length += curve.spline.length();
-          share[at] += fiber::lengthInside(build.anatomy.mesh, tetsOf[at + 2], line);
-        }
-        share[at] = length > 0.0 ? std::min(1.0, share[at] / length) : 1.0;
+        std::vector<std::vector<mesh::Vector3>> lines;
+        for (const tissue::TissueCurve& curve : build.tissues[at].curves)
+          lines.push_back(curve.spline.sample(curve.spline.length() / 200).point);
+        share[at] = fiber::shareInside(build.anatomy.mesh, tetsOf[at + 2], lines);
       },
       1);
   return share;

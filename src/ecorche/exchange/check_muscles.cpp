@@ -82,16 +82,12 @@ std::int64_t componentCount(const CheckedFiles& files, std::int32_t id,
 
 // Share of the tissue's curves that runs through its own tets.
 double shareInside(const CheckedFiles& files, const TissueRecord& tissue) {
-  double inside = 0.0;
-  double length = 0.0;
-  for (const CurveRecord& curve : tissue.curves) {
-    for (std::size_t k = 1; k < curve.points.size(); ++k)
-      length += (curve.points[k] - curve.points[k - 1]).norm();
-    if (static_cast<std::size_t>(tissue.id) >= files.tetsOf.size()) continue;
-    inside += fiber::lengthInside(files.anatomy->mesh,
-                                  files.tetsOf[static_cast<std::size_t>(tissue.id)], curve.points);
-  }
-  return length > 0.0 ? std::min(1.0, inside / length) : 1.0;
+  std::vector<std::vector<mesh::Vector3>> lines;
+  for (const CurveRecord& curve : tissue.curves) lines.push_back(curve.points);
+  const auto id = static_cast<std::size_t>(tissue.id);
+  return fiber::shareInside(
+      files.anatomy->mesh,
+      id < files.tetsOf.size() ? files.tetsOf[id] : std::vector<std::int32_t>{}, lines);
 }
 
 // A surface in the order of its points, for comparing two whatever the order of faces and vertices.

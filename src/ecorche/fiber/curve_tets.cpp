@@ -86,6 +86,8 @@ std::vector<TetOnCurve> tetsOnCurve(const mesh::TetMesh& mesh,
   return out;
 }
 
+namespace {
+
 double lengthInside(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& tets,
                     const std::vector<Vector3>& line) {
   struct Piece {
@@ -110,6 +112,19 @@ double lengthInside(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& 
     reached = p.hi;
   }
   return length;
+}
+
+}  // namespace
+
+double shareInside(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& tets,
+                   const std::vector<std::vector<Vector3>>& lines) {
+  double inside = 0.0;
+  double length = 0.0;
+  for (const std::vector<Vector3>& line : lines) {
+    for (std::size_t k = 1; k < line.size(); ++k) length += (line[k] - line[k - 1]).norm();
+    inside += lengthInside(mesh, tets, line);
+  }
+  return length > 0.0 ? std::min(1.0, inside / length) : 1.0;
 }
 
 }  // namespace ecorche::fiber

@@ -20,9 +20,9 @@ struct TetOnCurve {
                                                   const std::vector<std::int32_t>& tets,
                                                   const std::vector<mesh::Vector3>& line);
 
-/// Length of the part of a poly-line that lies in any of the given tets, shared faces counted once
-/// [m].
-[[nodiscard]] double lengthInside(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& tets,
-                                  const std::vector<mesh::Vector3>& line);
+/// Share of the length of poly-lines that lies in any of the given tets, shared faces counted once;
+/// 1 where the lines have no length.
+[[nodiscard]] double shareInside(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& tets,
+                                 const std::vector<std::vector<mesh::Vector3>>& lines);
 
 }  // namespace ecorche::fiber

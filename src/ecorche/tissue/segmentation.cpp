@@ -90,20 +90,6 @@ TissueId ownerAt(const mesh::TetMesh& mesh, const TissueFields& fields, Eigen::I
   return ownerOf(f, fields.fatIsCandidate);
 }
 
-std::vector<double> curveShareInside(const mesh::TetMesh& mesh, const TissueFields& fields,
-                                     const CoreSamples& cores) {
-  const auto count = static_cast<std::size_t>(fields.values.cols()) - 1;
-  std::vector<double> inside(count, 0.0);
-  std::vector<double> total(count, 0.0);
-  for (const CoreSample& s : cores.samples) {
-    const auto i = static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
-    total[i] += s.length;
-    if (ownerAt(mesh, fields, s.tet, s.barycentric) == s.tissue) inside[i] += s.length;
-  }
-  for (std::size_t i = 0; i < count; ++i) inside[i] = total[i] > 0.0 ? inside[i] / total[i] : 0.0;
-  return inside;
-}
-
 std::vector<double> tissueVolumes(const mesh::TetMesh& mesh, const TissueFields& fields) {
   const std::vector<TissueId> owner = vertexOwners(fields);
   const auto fieldCount = static_cast<Eigen::Index>(fields.values.cols());

@@ -29,11 +29,6 @@ template <class Values>
 [[nodiscard]] TissueId ownerAt(const mesh::TetMesh& mesh, const TissueFields& fields,
                                Eigen::Index tet, const Eigen::Vector4d& barycentric);
 
-/// Share of each tissue's traced curves that lies inside the tissue itself, by length. #tissues
-[[nodiscard]] std::vector<double> curveShareInside(const mesh::TetMesh& mesh,
-                                                   const TissueFields& fields,
-                                                   const CoreSamples& cores);
-
 /// Volume of every tissue [m³], by id − 1: fat first. Exact for fields that are linear in every
 /// tet: the tets are cut where another field takes over.
 [[nodiscard]] std::vector<double> tissueVolumes(const mesh::TetMesh& mesh,
