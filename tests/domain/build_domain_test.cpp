@@ -148,6 +148,40 @@ TEST_CASE("bones in any state: inside out, overlapping, poking out") {
   CHECK(test::hasFinding(built->report.findings, "pokes-out"));
 }
 
+TEST_CASE("a skin and a bone that cut themselves: a sound domain, and it is told where") {
+  // Balls through one another, as one surface each
+  const auto pair = [](const Vector3& a, const Vector3& b, double radius, const char* name) {
+    mesh::SurfaceMesh out =
+        mesh::joined({test::sphere(a, radius, 3), test::sphere(b, radius, 3)}, name);
+    out.parts.clear();
+    return out;
+  };
+  DomainInput input;
+  input.skin = pair({0, 0, 0}, {0.08, 0.011, 0.007}, 0.1, "skin");
+  input.bones = {pair({0, 0, 0}, {0.03, 0.002, 0.003}, 0.03, "bone")};
+  const auto built = build(input, options(8000));
+  REQUIRE(built);
+  test::requireSound(built->domain);
+  CHECK(built->report.mesher == "TetGen");
+  CHECK(built->report.wraps == 0);
+  // Two balls of radius r, their centres d apart: less the lens
+  const auto united = [](double r, double d) {
+    const double lens = std::numbers::pi * (4 * r + d) * std::pow(2 * r - d, 2) / 12;
+    return 8.0 / 3.0 * std::numbers::pi * r * r * r - lens;
+  };
+  CHECK(built->report.volume == Approx(united(0.1, Vector3(0.08, 0.011, 0.007).norm()) -
+                                       united(0.03, Vector3(0.03, 0.002, 0.003).norm()))
+                                    .epsilon(0.02));
+  int told = 0;
+  for (const Finding& f : built->report.findings) {
+    if (f.kind != "self-intersections") continue;
+    ++told;
+    CHECK(f.severity == Severity::Repaired);
+    CHECK(f.point.has_value());
+  }
+  CHECK(told == 2);
+}
+
 TEST_CASE("bones a hair apart neither merge nor cross") {
   DomainInput input;
   input.skin = named(test::sphere({0, 0, 0}, 0.1, 4), "skin");

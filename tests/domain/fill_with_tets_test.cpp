@@ -1,4 +1,5 @@
 #include <ecorche/domain/fill_with_tets.h>
+#include <ecorche/domain/interior_points.h>
 #include <fmt/format.h>
 
 #include <chrono>
@@ -56,6 +57,17 @@ constexpr const char* kNoTetgen =
     "if [ $1 = tetrahedralize ]; then echo 'error MeshingFailed TetGen gave up: no luck' >&2; exit "
     "1; fi";
 
+/// The ball, filled with a worker that the script meddles with.
+Result<Fill> fillBall(const std::string& script, RunContext& run, double timeout = 60.0) {
+  const test::TempFolder temp;
+  const test::Environment worker("ECORCHE_WORKER",
+                                 test::pretendWorker(temp.path(), before(script)).string());
+  const Case ball(::ball());
+  FillTask task = ball.task();
+  task.workerTimeout = timeout;
+  return fillWithTets(task, run);
+}
+
 bool empty(const std::filesystem::path& folder) { return std::filesystem::is_empty(folder); }
 
 /// The working folder for one scope.
@@ -83,36 +95,28 @@ TEST_CASE("what TetGen takes is filled by TetGen, walls as they are") {
 }
 
 TEST_CASE("where TetGen refuses, Mesh_3 fills, and it is said") {
-  const test::TempFolder temp;
-  const test::Environment worker("ECORCHE_WORKER",
-                                 test::pretendWorker(temp.path(), before(kNoTetgen)).string());
-  const Case ball(::ball());
   RunContext run;
-  const auto filled = fillWithTets(ball.task(), run);
+  const auto filled = fillBall(kNoTetgen, run);
   REQUIRE(filled);
   CHECK(filled->mesher == "CGAL Mesh_3");
   CHECK(filled->fallback);
+  CHECK_FALSE(filled->ofWalls);
   CHECK(filled->fallbackReason == "TetGen gave up: no luck");
   REQUIRE(filled->findings.size() == 1);
   CHECK(filled->findings.front().kind == "fallback");
-  CHECK(volumeOf(filled->tets) ==
-        Approx(mesh::signedVolume(ball.walls.V, ball.walls.F)).epsilon(0.02));
+  const mesh::SurfaceMesh surface = ball();
+  const double volume = volumeOf(filled->tets);
+  CHECK(volume == Approx(mesh::signedVolume(surface.V, surface.F)).epsilon(0.02));
   // Sizes as wanted: about as many tets as a lattice of that edge has
-  CHECK(double(filled->tets.T.rows()) ==
-        Approx(volumeOf(filled->tets) / (kEdge * kEdge * kEdge / 8.49)).epsilon(0.4));
+  CHECK(double(filled->tets.T.rows()) == Approx(volume / latticeTetVolume(kEdge)).epsilon(0.4));
 }
 
 TEST_CASE("a TetGen that crashes or hangs is as one that refuses") {
-  const test::TempFolder temp;
-  const std::string fault = GENERATE(std::string("kill -SEGV $$"), std::string("exec sleep 60"));
-  const auto script = "if [ $1 = tetrahedralize ]; then " + fault + "; fi";
-  const test::Environment worker("ECORCHE_WORKER",
-                                 test::pretendWorker(temp.path(), before(script)).string());
-  const Case ball(::ball());
-  FillTask task = ball.task();
-  task.workerTimeout = fault.starts_with("kill") ? 60.0 : 5.0;
+  const bool hangs = GENERATE(false, true);
   RunContext run;
-  const auto filled = fillWithTets(task, run);
+  const auto filled = fillBall(fmt::format("if [ $1 = tetrahedralize ]; then {}; fi",
+                                           hangs ? "exec sleep 60" : "kill -SEGV $$"),
+                               run, hangs ? 5.0 : 60.0);
   REQUIRE(filled);
   CHECK(filled->mesher == "CGAL Mesh_3");
 }
@@ -159,11 +163,6 @@ TEST_CASE(
 }
 
 TEST_CASE("a cancel is answered at once while Mesh_3 works") {
-  const test::TempFolder temp;
-  const auto script = std::string(kNoTetgen) + "\nif [ $1 = fill ]; then exec sleep 60; fi";
-  const test::Environment worker("ECORCHE_WORKER",
-                                 test::pretendWorker(temp.path(), before(script)).string());
-  const Case ball(::ball());
   RunContext run;
   std::chrono::steady_clock::time_point cancelled;
   std::jthread canceller([&] {
@@ -171,7 +170,8 @@ TEST_CASE("a cancel is answered at once while Mesh_3 works") {
     cancelled = std::chrono::steady_clock::now();
     run.cancel();
   });
-  const auto filled = fillWithTets(ball.task(), run);
+  const auto filled =
+      fillBall(std::string(kNoTetgen) + "\nif [ $1 = fill ]; then exec sleep 60; fi", run);
   canceller.join();
   REQUIRE_FALSE(filled);
   CHECK(filled.error().code == ErrorCode::Cancelled);

@@ -45,32 +45,43 @@ bool beyondAPlane(const mesh::SurfaceMesh& mesh, const std::vector<CutPlane>& pl
 }
 
 /// A closed surface that cuts itself is taken for what it encloses, exactly where that works;
-/// otherwise its crossings are smoothed away where that moves nothing further than allowed.
+/// otherwise its crossings are smoothed away where that moves nothing further than allowed. What
+/// was done, or could not be, is told.
 /// @return  whether it is fit for exact subtraction now
 bool mendCrossings(mesh::RepairedSurface& surface, double allowed, RunContext& run) {
   mesh::SurfaceMesh& mesh = surface.mesh;
   if (!mesh::checkSurface(mesh).isSound()) return false;
   const auto crossings = mesh::selfIntersections(mesh.V, mesh.F);
   if (crossings.empty()) return true;
-  const Vector3 place = mesh.V.row(mesh.F(crossings.front().first, 0)).transpose();
-  std::optional<mesh::SurfaceMesh> mended = mesh::outerHull(mesh);
-  std::string done = "what it encloses was kept";
-  if (!mended) {
-    mended = mesh::uncross(mesh);
-    if (!mended) return false;
-    const auto apart = mesh::surfaceDeviation(mesh, *mended, allowed, run);
-    if (!apart || apart->max() > allowed) return false;
-    done = fmt::format("smoothed there by up to {:.2g} mm", apart->max() * 1e3);
+  const auto tell = [&](Severity severity, const std::string& done) {
+    surface.findings.push_back(
+        {.severity = severity,
+         .kind = "self-intersections",
+         .object = mesh.name,
+         .message = fmt::format("\"{}\" cuts itself in {} pairs of faces; {}", mesh.name,
+                                crossings.size(), done),
+         .point = mesh.V.row(mesh.F(crossings.front().first, 0)).transpose(),
+         .size = static_cast<double>(crossings.size())});
+  };
+  if (auto hull = mesh::outerHull(mesh)) {
+    tell(Severity::Repaired,
+         fmt::format("what it encloses was kept, {:.4g} cm³ of {:.4g} cm³ counted with folds",
+                     mesh::signedVolume(hull->V, hull->F) * 1e6,
+                     mesh::signedVolume(mesh.V, mesh.F) * 1e6));
+    mesh = std::move(*hull);
+    return true;
   }
-  mesh = std::move(*mended);
-  surface.findings.push_back({.severity = Severity::Repaired,
-                              .kind = "self-intersections",
-                              .object = mesh.name,
-                              .message = fmt::format("\"{}\" cut itself in {} pairs of faces; {}",
-                                                     mesh.name, crossings.size(), done),
-                              .point = place,
-                              .size = static_cast<double>(crossings.size())});
-  return true;
+  if (auto smooth = mesh::uncross(mesh)) {
+    const auto apart = mesh::surfaceDeviation(mesh, *smooth, allowed, run);
+    if (apart && apart->max() <= allowed) {
+      tell(Severity::Repaired,
+           fmt::format("smoothed there by up to {:.2g} mm", apart->max() * 1e3));
+      mesh = std::move(*smooth);
+      return true;
+    }
+  }
+  tell(Severity::Warning, "nothing certain could be done about it");
+  return false;
 }
 
 // Steps 1 and 2: check, repair what is certain
@@ -80,14 +91,8 @@ Result<Prepared> prepare(const DomainInput& input, double toleranceRel, RunConte
   auto skin = mesh::repairSurface(input.skin, {.mustClose = true}, run);
   if (!skin) return passOn(skin);
   const double allowed = kWrapShare * toleranceRel * mesh::boundingBox(skin->mesh).diagonal();
-  if (!mendCrossings(*skin, allowed, run)) {
-    skin->findings.push_back(
-        {.severity = Severity::Warning,
-         .kind = "self-intersections",
-         .object = skin->mesh.name,
-         .message = "the skin cuts itself, and nothing certain could be done about it; the domain "
-                    "may be refused for that"});
-  }
+  // A skin that cannot be mended may still do where the crossing is cut off or resampled away
+  mendCrossings(*skin, allowed, run);
   out.findings = std::move(skin->findings);
   out.carve.skin = std::move(skin->mesh);
   out.carve.cutPlanes = input.cutPlanes;
