@@ -14,11 +14,13 @@ using Arguments = std::vector<std::string>;
 /// @errors FileSyntax, FileNotWritable
 Result<void> importMesh(const Arguments& arguments);
 
-/// `tetrahedralize INPUT OUTPUT`: a closed surface and points inside it, as tets (domain/tet_files.h), by TetGen.
+/// `tetrahedralize INPUT OUTPUT`: a closed surface and points inside it, as tets
+/// (domain/tet_files.h), by TetGen.
 /// @errors MeshingFailed (what TetGen refuses, with its reason), OutOfMemory, FileNotWritable
 Result<void> tetrahedralizeSurface(const Arguments& arguments);
 
-/// `fill INPUT OUTPUT`: the same by CGAL Mesh_3, which makes the surface anew. Changes the working folder to OUTPUT's.
+/// `fill INPUT OUTPUT`: the same by CGAL Mesh_3, which makes the surface anew. Changes the working
+/// folder to OUTPUT's.
 /// @errors MeshingFailed, OutOfMemory, FileNotWritable
 Result<void> fillSurface(const Arguments& arguments);
 

@@ -106,8 +106,7 @@ SizingField SizingField::read(ByteReader& in) {
   const auto values = in.matrix<Eigen::VectorXd>();
   field.value_.assign(values.data(), values.data() + values.size());
   const bool sane = (field.count_ >= 2).all() && (field.count_ < (1 << 20)).all() &&
-                    field.count_.cast<std::int64_t>().prod() == values.size() &&
-                    field.cell_ > 0.0;
+                    field.count_.cast<std::int64_t>().prod() == values.size() && field.cell_ > 0.0;
   if (!sane) in.reject();
   return field;
 }

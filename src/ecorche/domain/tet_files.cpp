@@ -107,12 +107,11 @@ Result<FillRequest> decodeFillRequest(std::string_view bytes) {
   request.scale = in.value<double>();
   request.tolerance = in.value<double>();
   if (!in.finished()) return fail(ErrorCode::FileTruncated, kTruncated);
-  const bool planesKnown =
-      std::ranges::all_of(request.surface.tag, [&](std::int32_t tag) {
-        const BoundaryTag of = unpacked(tag);
-        return of.kind != BoundaryTag::Kind::CutPlane ||
-               static_cast<std::size_t>(of.index) < request.cutPlanes.size();
-      });
+  const bool planesKnown = std::ranges::all_of(request.surface.tag, [&](std::int32_t tag) {
+    const BoundaryTag of = unpacked(tag);
+    return of.kind != BoundaryTag::Kind::CutPlane ||
+           static_cast<std::size_t>(of.index) < request.cutPlanes.size();
+  });
   if (!inRange(request.surface) || !planesKnown) return fail(ErrorCode::FileSyntax, kBadIndex);
   return request;
 }
