@@ -5,12 +5,14 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 namespace ecorche::tissue {
@@ -163,6 +165,25 @@ void addLine(const TetFrame& frame, const Vector3& x, const Vector3& tangent, do
   }
 }
 
+// Most patches have some fifty unknowns. Where large tets meet small ones they have thousands, and
+// the dense factor would take minutes.
+std::optional<Eigen::VectorXd> solve(const std::vector<Eigen::Triplet<double>>& lower,
+                                     const Eigen::VectorXd& b) {
+  constexpr Eigen::Index kDense = 150;
+  if (b.size() <= kDense) {
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(b.size(), b.size());
+    for (const auto& entry : lower) K(entry.row(), entry.col()) += entry.value();
+    const Eigen::LLT<Eigen::MatrixXd> factor(K);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    return factor.solve(b);
+  }
+  Eigen::SparseMatrix<double> K(b.size(), b.size());
+  K.setFromTriplets(lower.begin(), lower.end());
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(K);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  return factor.solve(b);
+}
+
 }  // namespace
 
 double wellRadius(const Domain& domain, std::span<const WellPoint> points, const Vector3& tangent,
@@ -198,7 +219,7 @@ double wellRadius(const Domain& domain, std::span<const WellPoint> points, const
     }
   }
 
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(patch.rowCount, patch.rowCount);
+  std::vector<Eigen::Triplet<double>> K;
   Eigen::VectorXd b = Eigen::VectorXd::Zero(patch.rowCount);
   for (std::size_t t = 0; t < patch.tets.size(); ++t) {
     const TetFrame frame(patch, t);
@@ -216,7 +237,7 @@ double wellRadius(const Domain& domain, std::span<const WellPoint> points, const
             frame.V *
             frame.slopes.row(static_cast<int>(i)).dot(frame.slopes.row(static_cast<int>(j)));
         if (rows[j] >= 0) {
-          K(rows[i], rows[j]) += k;
+          K.emplace_back(rows[i], rows[j], k);
         } else {
           b[rows[i]] -= k * node[j]->line;
         }
@@ -226,9 +247,9 @@ double wellRadius(const Domain& domain, std::span<const WellPoint> points, const
   }
 
   const double guess = kWellC * h;
-  const Eigen::LLT<Eigen::MatrixXd> factor(K);
-  if (factor.info() != Eigen::Success) return guess;
-  const Eigen::VectorXd u = factor.solve(b);
+  const auto solved = solve(K, b);
+  if (!solved) return guess;
+  const Eigen::VectorXd& u = *solved;
   double reads = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto t = static_cast<std::size_t>(tetOfPoint[i]);
