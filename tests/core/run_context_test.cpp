@@ -27,6 +27,27 @@ TEST_CASE("stages within a stage are part of it, in the order in which they bega
   CHECK(times[1].seconds <= times[0].seconds);
 }
 
+TEST_CASE("the same stage within two others is timed within each, beside its own") {
+  RunContext run;
+  {
+    const Stage draft(run, "draft");
+    const Stage carve(run, "carve");
+  }
+  { const Stage carve(run, "carve"); }
+  {
+    const Stage draft(run, "draft");
+    const Stage cut(run, "cut");
+  }
+  const auto times = run.stageTimes();
+  REQUIRE(times.size() == 4);
+  const std::vector<std::string> order{"draft", "carve", "cut", "carve"};
+  const std::vector<int> levels{0, 1, 1, 0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(times[i].stage == order[i]);
+    CHECK(times[i].level == levels[i]);
+  }
+}
+
 TEST_CASE("a stage that opens itself again counts once") {
   RunContext run;
   double outer = 0.0;

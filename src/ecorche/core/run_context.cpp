@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace ecorche {
 
@@ -14,23 +15,31 @@ void RunContext::progress(std::string_view stage, double fraction) {
 
 bool RunContext::open(const std::string& stage) {
   const std::lock_guard lock(mutex_);
-  if (std::ranges::find(running_, stage) != running_.end()) return false;
+  if (std::ranges::find(running_, stage, &Running::stage) != running_.end()) return false;
   const auto level = static_cast<int>(running_.size());
-  running_.push_back(stage);
-  const auto known = std::ranges::find(times_, stage, &StageTime::stage);
-  if (known == times_.end()) times_.push_back({stage, 0.0, level});
+  const std::string within = running_.empty() ? std::string() : running_.back().path;
+  const std::string path = within + stage + '\n';
+  running_.push_back({stage, path});
+  if (std::ranges::find(times_, path, &Entry::path) != times_.end()) return true;
+  // Behind all that is part of the same
+  auto place = times_.end();
+  while (place != times_.begin() && !std::prev(place)->path.starts_with(within)) --place;
+  times_.insert(place, {path, {stage, 0.0, level}});
   return true;
 }
 
 void RunContext::close(const std::string& stage, double seconds) {
   const std::lock_guard lock(mutex_);
-  std::erase(running_, stage);
-  std::ranges::find(times_, stage, &StageTime::stage)->seconds += seconds;
+  const auto running = std::ranges::find(running_, stage, &Running::stage);
+  std::ranges::find(times_, running->path, &Entry::path)->time.seconds += seconds;
+  running_.erase(running);
 }
 
 std::vector<RunContext::StageTime> RunContext::stageTimes() const {
   const std::lock_guard lock(mutex_);
-  return times_;
+  std::vector<StageTime> out;
+  for (const Entry& entry : times_) out.push_back(entry.time);
+  return out;
 }
 
 double RunContext::seconds() const {

@@ -35,9 +35,9 @@ class RunContext {
 
   void progress(std::string_view stage, double fraction);
 
-  /// Wall times of stages in the order in which they began, same names added up. Stages that began
-  /// while another ran are part of that one, whatever thread they ran on; those of level 0 add up
-  /// to the whole.
+  /// Wall times of stages in the order in which they began, each followed by its parts; same names
+  /// added up within one part. Stages that began while another ran are part of that one, whatever
+  /// thread they ran on; those of level 0 add up to the whole.
   [[nodiscard]] std::vector<StageTime> stageTimes() const;
   /// Wall time since this was made.
   [[nodiscard]] double seconds() const;
@@ -51,9 +51,17 @@ class RunContext {
   std::atomic<bool> cancelled_{false};
   ProgressSink sink_;
   mutable std::mutex mutex_;
-  std::vector<StageTime> times_;
+  struct Entry {
+    std::string path;  // names from the outermost on, a line each
+    StageTime time;
+  };
+  struct Running {
+    std::string stage;
+    std::string path;
+  };
+  std::vector<Entry> times_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  std::vector<std::string> running_;
+  std::vector<Running> running_;
 };
 
 /// Times a block: reports 0 on entry, 1 and the seconds on exit.
