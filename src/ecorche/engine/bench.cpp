@@ -1,8 +1,7 @@
 #include <ecorche/engine/bench.h>
 #include <ecorche/model/project_check.h>
-#include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/segmentation.h>
-#include <ecorche/tissue/tissue_solver.h>
+#include <ecorche/tissue/solve_tissues.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +11,6 @@ namespace ecorche::engine {
 namespace {
 
 constexpr double kLeastVolume = 5e-6;  // m³: smaller muscles do not count alone
-
-Result<void> checkProject(const model::Project& project) {
-  const auto fault = model::findFault(project);
-  if (!fault) return {};
-  return fail(fault->code, fault->message, {.object = fault->object});
-}
 
 void scale(std::vector<mesh::SurfaceMesh>& meshes, double factor) {
   for (mesh::SurfaceMesh& m : meshes) m.V *= factor;
@@ -51,14 +44,11 @@ Result<Solved> solve(const model::Project& project, ProjectMeshes meshes, double
   for (auto* list : {&meshes.bones, &meshes.obstacles, &meshes.cavities}) scale(*list, factor);
   auto built = buildDomainOf(own, meshes, {}, run);
   if (!built) return passOn(built);
-  const auto tissues = curveTissues(own);
-  const tissue::TissueOptions how = tissueOptions(own);
-  auto cores = tissue::traceCurves(built->domain, tissues, how, run);
-  if (!cores) return passOn(cores);
-  auto fields = tissue::solveTissueFields(built->domain, *cores, tissues, how, run);
-  if (!fields) return passOn(fields);
+  const auto solved =
+      tissue::solveTissues(built->domain, curveTissues(own), tissueOptions(own), run);
+  if (!solved) return passOn(solved);
   Solved out;
-  out.volume = tissue::tissueVolumes(built->domain.mesh, *fields);
+  out.volume = tissue::tissueVolumes(built->domain.mesh, solved->fields);
   out.domain = std::move(built->domain);
   return out;
 }
@@ -67,7 +57,7 @@ Result<Solved> solve(const model::Project& project, ProjectMeshes meshes, double
 
 Result<ResolutionBench> benchResolution(const model::Project& project,
                                         const std::vector<std::int64_t>& tets, RunContext& run) {
-  if (auto sound = checkProject(project); !sound) return passOn(sound);
+  if (auto sound = model::checkProject(project); !sound) return passOn(sound);
   ResolutionBench out;
   out.tissues = curveTissues(project);
   for (const std::int64_t wanted : tets) {
@@ -86,7 +76,7 @@ Result<ResolutionBench> benchResolution(const model::Project& project,
 
 Result<std::vector<ScaleCase>> benchScale(const model::Project& project,
                                           const std::vector<double>& factors, RunContext& run) {
-  if (auto sound = checkProject(project); !sound) return passOn(sound);
+  if (auto sound = model::checkProject(project); !sound) return passOn(sound);
   auto meshes = loadMeshes(project, run);
   if (!meshes) return passOn(meshes);
   const auto tissues = curveTissues(project);

@@ -283,4 +283,10 @@ std::optional<ProjectFault> findFault(const Project& project, Completeness compl
   return Checker(project, completeness).run();
 }
 
+Result<void> checkProject(const Project& project) {
+  const auto fault = findFault(project);
+  if (!fault) return {};
+  return fail(fault->code, fault->message, {.object = fault->object});
+}
+
 }  // namespace ecorche::model

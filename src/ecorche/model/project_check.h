@@ -28,6 +28,10 @@ enum class Completeness { Editing, Complete };
 [[nodiscard]] std::optional<ProjectFault> findFault(
     const Project& project, Completeness completeness = Completeness::Complete);
 
+/// The same as a result, for a project that is to be built or measured.
+/// @errors  the codes of findFault
+[[nodiscard]] Result<void> checkProject(const Project& project);
+
 /// Neighbouring control points have to be this far apart [m].
 inline constexpr double kSmallestStep = 1e-9;
 /// No coordinate lies farther out [m].

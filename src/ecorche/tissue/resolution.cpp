@@ -1,9 +1,8 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/tissue/cross_section.h>
-#include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/resolution.h>
 #include <ecorche/tissue/segmentation.h>
-#include <ecorche/tissue/tissue_solver.h>
+#include <ecorche/tissue/solve_tissues.h>
 
 #include <algorithm>
 #include <chrono>
@@ -17,20 +16,6 @@ using domain::Domain;
 using mesh::Vector3;
 
 namespace {
-
-struct Traced {
-  CoreSamples cores;
-  TissueFields fields;
-};
-
-Result<Traced> solved(const Domain& domain, const std::vector<CurveTissue>& tissues,
-                      const TissueOptions& options, RunContext& run) {
-  auto cores = traceCurves(domain, tissues, options, run);
-  if (!cores) return passOn(cores);
-  auto fields = solveTissueFields(domain, *cores, tissues, options, run);
-  if (!fields) return passOn(fields);
-  return Traced{std::move(*cores), std::move(*fields)};
-}
 
 constexpr int kSections = 200;
 
@@ -58,14 +43,14 @@ Result<ResolutionCase> measureResolution(const Domain& domain,
   TissueOptions well = options;
   well.alpha.reset();
   const auto begin = std::chrono::steady_clock::now();
-  const auto ours = solved(domain, tissues, well, run);
+  const auto ours = solveTissues(domain, tissues, well, run);
   if (!ours) return passOn(ours);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   out.volume = tissueVolumes(domain.mesh, ours->fields);
 
   TissueOptions paper = options;
   paper.alpha = 5.0;
-  const auto theirs = solved(domain, tissues, paper, run);
+  const auto theirs = solveTissues(domain, tissues, paper, run);
   if (!theirs) return passOn(theirs);
   out.volumePaper = tissueVolumes(domain.mesh, theirs->fields);
   return out;
@@ -107,9 +92,9 @@ Result<Smoothness> measureSmoothness(const Domain& coarse, const Domain& fine,
   EC_REQUIRE_EQ(muscle.curves.size(), std::size_t{1});
   EC_REQUIRE_EQ(muscle.curves[0].spline.points().size(), std::size_t{2});
   const mesh::Spline& line = muscle.curves[0].spline;
-  const auto rough = solved(coarse, {muscle}, options, run);
+  const auto rough = solveTissues(coarse, {muscle}, options, run);
   if (!rough) return passOn(rough);
-  const auto good = solved(fine, {muscle}, options, run);
+  const auto good = solveTissues(fine, {muscle}, options, run);
   if (!good) return passOn(good);
 
   const std::vector<double> a = sections(coarse, rough->fields, line);
