@@ -97,14 +97,12 @@ TEST_CASE("a box cut in half: plane vertices lie on the plane, the plane is no s
   CHECK(built->domain.cutPlaneNames == std::vector<std::string>{"median"});
 }
 
-TEST_CASE("curves make tets small around them") {
+TEST_CASE("tets are small where small ones are wanted") {
   DomainInput input = ballInBall();
-  SizingCurve curve;
-  curve.points = mesh::Positions(21, 3);
-  for (int i = 0; i <= 20; ++i) curve.points.row(i) << -0.05 + 0.005 * i, 0.06, 0.0;
-  curve.edgeLength = 0.002;
-  curve.radius = 0.006;
-  input.curves = {curve};
+  for (int i = 0; i <= 20; ++i) {
+    for (const double y : {0.056, 0.06, 0.064})
+      input.lengths.push_back({{-0.05 + 0.005 * i, y, 0.0}, 0.002});
+  }
   const auto built = build(input, options(40000));
   REQUIRE(built);
   test::requireSound(built->domain);

@@ -28,6 +28,10 @@ using mesh::Vector3;
 
 constexpr std::int64_t kDefaultTets = 200000;
 constexpr double kWrapShare = 0.5;  // of the tolerance, for wraps; resampling needs the rest
+// Of the diagonal of the uncut skin, before lengths are scaled to the budget
+constexpr double kCoarsest = 0.02;
+constexpr double kFinest = 0.0002;
+constexpr double kFinestGap = 0.0008;
 
 struct Prepared {
   CarveInput carve;
@@ -246,15 +250,15 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
     out.report.requestedTets = options.tets.value_or(kDefaultTets);
     budget = static_cast<double>(out.report.requestedTets);
   }
-  const double coarsest = 0.02 * diagonal;
+  const double coarsest = kCoarsest * diagonal;
   std::optional<SizingField> sizing;
   double scale = 1.0;
   {
     const Stage stage(run, "domain: sizing");
-    const double finest = 0.0008 * diagonal;
-    sizing.emplace(mesh::boundingBox(carved->surface.V),
-                   sizingSources(input.curves, carved->surface, finest, coarsest), coarsest,
-                   options.gradation);
+    auto lengths = lengthsInGaps(carved->surface, kFinestGap * diagonal, coarsest);
+    for (const WantedLength& w : input.lengths)
+      lengths.push_back({w.point, std::clamp(w.length, kFinest * diagonal, coarsest)});
+    sizing.emplace(mesh::boundingBox(carved->surface.V), lengths, coarsest, options.gradation);
     const TetEstimate estimate(carved->surface, *sizing);
     // A given edge length is that of the lattice that fills the same volume with as many tets
     scale = estimate.scaleFor(budget ? *budget : tetsOfEdge(*options.edgeLength, carved->surface));

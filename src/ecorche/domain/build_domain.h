@@ -3,6 +3,7 @@
 #include <ecorche/core/finding.h>
 #include <ecorche/core/run_context.h>
 #include <ecorche/domain/domain.h>
+#include <ecorche/domain/sizing_field.h>
 
 #include <cstdint>
 #include <optional>
@@ -11,14 +12,6 @@
 
 namespace ecorche::domain {
 
-/// Where tets should be small: around a muscle's curve.
-struct SizingCurve {
-  mesh::Positions points;  ///< #P×3 polyline, at least one point [m]
-  double edgeLength =
-      0.0;  ///< wanted beside the curve, before everything is scaled to the tet budget [m, > 0]
-  double radius = 0.0;  ///< up to this far from the curve; beyond it tets grow [m]
-};
-
 /// Everything in one frame, metres. Meshes may be in the state in which people have them.
 struct DomainInput {
   mesh::SurfaceMesh skin;
@@ -26,7 +19,7 @@ struct DomainInput {
   std::vector<mesh::SurfaceMesh> obstacles;  ///< closed meshes that stay as they are
   std::vector<mesh::SurfaceMesh> cavities;
   std::vector<CutPlane> cutPlanes;
-  std::vector<SizingCurve> curves;
+  std::vector<WantedLength> lengths;  ///< where tets should be small
 };
 
 struct DomainOptions {

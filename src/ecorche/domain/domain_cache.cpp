@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kMagic = 0x44434531;  // "1ECD"
-constexpr std::int64_t kVersion = 4;          // raise with every change of what comes out
+constexpr std::int64_t kVersion = 5;          // raise with every change of what comes out
 constexpr std::uintmax_t kCacheLimit = std::uintmax_t{4} << 30;
 
 fs::path folder() { return cacheFolder() / "domains"; }
@@ -190,11 +190,10 @@ std::string cacheKey(const DomainInput& input, const DomainOptions& options) {
     hash.matrix(p.point);
     hash.matrix(p.normal);
   }
-  hash.number(static_cast<std::int64_t>(input.curves.size()));
-  for (const SizingCurve& c : input.curves) {
-    hash.matrix(c.points);
-    hash.number(c.edgeLength);
-    hash.number(c.radius);
+  hash.number(static_cast<std::int64_t>(input.lengths.size()));
+  for (const WantedLength& w : input.lengths) {
+    hash.matrix(w.point);
+    hash.number(w.length);
   }
   hash.number(options.tets.value_or(-1));
   hash.number(options.edgeLength.value_or(-1.0));

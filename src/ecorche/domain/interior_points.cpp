@@ -22,8 +22,8 @@ constexpr double kTetsPerCell = 12.0;
 // walls, and walls stay finer than asked for where they bend
 constexpr double kShareOfVolume = 0.73;
 constexpr double kTetsPerWallArea = 4.6;  // in squares of the wanted length
-constexpr double kTetsPerPoint = 6.0;
-constexpr double kTetsPerWallFace = 2.35;
+constexpr double kTetsPerPoint = 6.1;
+constexpr double kTetsPerWallFace = 2.1;
 constexpr double kClaim = 0.72;      // of the cell: no two points nearer (the lattice's own: 0.866)
 constexpr double kFromWalls = 0.5;   // of the cell: no point nearer to a wall
 constexpr double kFirstLayer = 0.7;  // of the cell: seeds start this far from the wall

@@ -10,8 +10,8 @@ namespace ecorche::domain {
 
 using mesh::Vector3;
 
-SizingField::SizingField(const mesh::Box& box, const std::vector<Source>& sources, double coarsest,
-                         double gradation)
+SizingField::SizingField(const mesh::Box& box, const std::vector<WantedLength>& sources,
+                         double coarsest, double gradation)
     : box_(box) {
   constexpr double kCellsAlong = 144.0;
   cell_ = (box.hi - box.lo).maxCoeff() / kCellsAlong;
@@ -19,7 +19,7 @@ SizingField::SizingField(const mesh::Box& box, const std::vector<Source>& source
   value_.assign(static_cast<std::size_t>(count_.cast<std::int64_t>().prod()), coarsest);
 
   // Each source speaks for the eight grid points around it, its distance to them counted
-  for (const Source& source : sources) {
+  for (const WantedLength& source : sources) {
     const Eigen::Array3d at = (source.point - box_.lo).array() / cell_;
     const Eigen::Array3i low = at.floor().cast<int>().max(0).min(count_ - 2);
     for (int corner = 0; corner < 8; ++corner) {
@@ -111,27 +111,11 @@ SizingField SizingField::read(ByteReader& in) {
   return field;
 }
 
-std::vector<SizingField::Source> sizingSources(const std::vector<SizingCurve>& curves,
-                                               const TaggedSurface& walls, double finest,
-                                               double coarsest) {
-  std::vector<SizingField::Source> out;
-  for (const SizingCurve& curve : curves) {
-    for (Eigen::Index p = 0; p < curve.points.rows(); ++p) {
-      const Vector3 here = curve.points.row(p).transpose();
-      const double length = std::clamp(curve.edgeLength, finest, coarsest);
-      out.push_back({here, length});
-      // The whole muscle wants it, not the curve alone: a cross of points at its radius
-      for (int k = 0; k < 3 && curve.radius > 0.0; ++k) {
-        for (const double side : {-0.6, 0.6}) {
-          out.push_back({here + side * curve.radius * Vector3::Unit(k), length});
-        }
-      }
-    }
-  }
-
-  // Gaps: from every wall straight in to the next wall
+std::vector<WantedLength> lengthsInGaps(const TaggedSurface& walls, double finest,
+                                        double coarsest) {
+  // From every wall straight in to the next wall
   const TriangleTree tree(walls.V, walls.F);
-  std::vector<SizingField::Source> gaps(static_cast<std::size_t>(walls.F.rows()));
+  std::vector<WantedLength> gaps(static_cast<std::size_t>(walls.F.rows()));
   parallelFor(
       walls.F.rows(),
       [&](std::int64_t f) {
@@ -151,10 +135,8 @@ std::vector<SizingField::Source> sizingSources(const std::vector<SizingCurve>& c
         }
       },
       256);
-  for (const auto& gap : gaps) {
-    if (gap.length > 0.0) out.push_back(gap);
-  }
-  return out;
+  std::erase_if(gaps, [](const WantedLength& gap) { return !(gap.length > 0.0); });
+  return gaps;
 }
 
 }  // namespace ecorche::domain

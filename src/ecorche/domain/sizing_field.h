@@ -1,27 +1,26 @@
 #pragma once
 
 #include <ecorche/core/byte_stream.h>
-#include <ecorche/domain/build_domain.h>
 #include <ecorche/domain/tagged_surface.h>
 
 #include <vector>
 
 namespace ecorche::domain {
 
+/// A place and the edge length wanted around it, before everything is scaled to the tet budget.
+struct WantedLength {
+  mesh::Vector3 point = mesh::Vector3::Zero();  ///< [m]
+  double length = 0.0;                          ///< [m, > 0]
+};
+
 /// Wanted edge length for every point of the domain's box: on a grid, continuous between its
 /// points, and growing no faster than the gradation.
 class SizingField {
  public:
-  /// A place and the length wanted around it.
-  struct Source {
-    mesh::Vector3 point = mesh::Vector3::Zero();  // [m]
-    double length = 0.0;                          ///< [m]
-  };
-
   SizingField() = default;  ///< of an empty box: no length at all, anywhere
   /// @param coarsest   nowhere longer than this [m]
   /// @param gradation  how fast lengths grow with distance [unitless, >= 0]
-  SizingField(const mesh::Box& box, const std::vector<Source>& sources, double coarsest,
+  SizingField(const mesh::Box& box, const std::vector<WantedLength>& sources, double coarsest,
               double gradation);
 
   [[nodiscard]] double at(const mesh::Vector3& p) const;  ///< [m]
@@ -46,9 +45,10 @@ class SizingField {
   void spread(double gradation);
 };
 
-/// What asks for small tets: curves, and gaps between the domain's walls.
-[[nodiscard]] std::vector<SizingField::Source> sizingSources(const std::vector<SizingCurve>& curves,
-                                                             const TaggedSurface& walls,
-                                                             double finest, double coarsest);
+/// Small tets between walls that are near each other.
+/// @param finest    no length below this [m]
+/// @param coarsest  gaps that want a longer one are none [m]
+[[nodiscard]] std::vector<WantedLength> lengthsInGaps(const TaggedSurface& walls, double finest,
+                                                      double coarsest);
 
 }  // namespace ecorche::domain

@@ -17,7 +17,8 @@ using mesh::Vector3;
 constexpr double kSlack = 0.5;  // of the tolerance, for new triangles against the old surface
 constexpr double kAccepted =
     0.85;  // of the tolerance, for points of the old surface against the new
-constexpr int kRounds = 6;
+constexpr int kRounds = 8;
+constexpr double kReach = 4.0;  // edges over which a stricter place wears off
 
 Vector3 corner(const TaggedSurface& s, Eigen::Index f, int k) {
   return s.V.row(s.F(f, k)).transpose();
@@ -53,7 +54,7 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
   const Stage stage(run, "domain: resample");
   // A factor on lengths: 1 at first, halved around every place that did not do, back to 1 over some
   // edges
-  std::vector<SizingField::Source> strict;
+  std::vector<WantedLength> strict;
   SizingField factor(sizing.box(), strict, 1.0, 1.0);
   WallResampling out;
   for (;; ++out.rounds) {
@@ -79,7 +80,7 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
     for (const Vector3& p : places) length += scale * sizing.at(p);
     length /= static_cast<double>(places.size());
     for (const Vector3& p : places) strict.push_back({p, 0.5 * factor.at(p)});
-    factor = SizingField(sizing.box(), strict, 1.0, 1.0 / (8.0 * length));
+    factor = SizingField(sizing.box(), strict, 1.0, 1.0 / (kReach * length));
   }
 }
 

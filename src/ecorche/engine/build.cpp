@@ -1,8 +1,8 @@
 #include <ecorche/engine/build.h>
-#include <ecorche/engine/sizing.h>
+#include <ecorche/engine/curve_room.h>
+#include <ecorche/engine/draft.h>
 #include <ecorche/model/project_check.h>
-#include <ecorche/tissue/curve_trace.h>
-#include <ecorche/tissue/tissue_solver.h>
+#include <ecorche/tissue/solve_tissues.h>
 
 #include <algorithm>
 
@@ -10,39 +10,20 @@ namespace ecorche::engine {
 
 namespace {
 
-// Aim: eight tets across every muscle (docs/decisions.md), before the domain scales all lengths to
-// its budget
-constexpr double kTetsAcross = 8.0;
-
-// Sizing wants one length for a run of curve: short runs, so that a muscle may be thick in the
-// belly and thin at its ends
-std::vector<domain::SizingCurve> sizingCurves(const std::vector<tissue::CurveTissue>& tissues,
-                                              const mesh::SurfaceMesh& skin) {
-  constexpr std::size_t kRun = 4;
-  const double diagonal = mesh::boundingBox(skin).diagonal();
-  std::vector<domain::SizingCurve> out;
-  for (const CurveRoom& room : roomAroundCurves(tissues, skin, 0.002 * diagonal)) {
-    for (std::size_t begin = 0; begin + 1 < room.point.size(); begin += kRun) {
-      const std::size_t end = std::min(room.point.size(), begin + kRun + 1);
-      domain::SizingCurve run;
-      run.points.resize(static_cast<Eigen::Index>(end - begin), 3);
-      double radius = 0.0;
-      for (std::size_t i = begin; i < end; ++i) {
-        run.points.row(static_cast<Eigen::Index>(i - begin)) = room.point[i].transpose();
-        radius += room.radius[i] / static_cast<double>(end - begin);
-      }
-      run.radius = radius;
-      run.edgeLength = 2.0 * radius / kTetsAcross;
-      out.push_back(std::move(run));
-    }
-  }
-  return out;
-}
-
-Result<void> checkProject(const model::Project& project) {
-  const auto fault = model::findFault(project);
-  if (!fault) return {};
-  return fail(fault->code, fault->message, {.object = fault->object});
+/// Where tets should be small. What a draft cannot answer is left to the guess that it began with,
+/// and the report says so: input that is at fault is for the domain itself to refuse.
+std::vector<domain::WantedLength> wantedLengths(const model::Project& project,
+                                                const domain::DomainInput& input,
+                                                const domain::DomainOptions& how,
+                                                Findings& findings, RunContext& run) {
+  const auto tissues = curveTissues(project);
+  auto lengths = lengthsFromDraft(input, how, tissues, tissueOptions(project), run);
+  if (lengths) return std::move(*lengths);
+  findings.push_back(
+      {.severity = Severity::Warning,
+       .kind = "no-draft",
+       .message = "tets are sized by a guess from the curves alone: " + lengths.error().message});
+  return input.lengths;
 }
 
 }  // namespace
@@ -56,7 +37,7 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
   input.obstacles = meshes.obstacles;
   input.cavities = meshes.cavities;
   input.cutPlanes = cutPlanes(project);
-  input.curves = sizingCurves(curveTissues(project), meshes.skin);
+  input.lengths = lengthsAlongCurves(curveTissues(project), meshes.skin);
 
   domain::DomainOptions how;
   how.surfaceToleranceRel = project.settings.surfaceTolerance;
@@ -65,7 +46,14 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
                                 : project.settings.tets;
   how.edgeLength = options.edgeLength ? options.edgeLength : project.settings.edgeLength;
   how.useCache = options.useCache;
-  return domain::buildDomain(input, how, run);
+  Findings findings;
+  input.lengths = wantedLengths(project, input, how, findings, run);
+  auto built = domain::buildDomain(input, how, run);
+  if (built) {
+    auto& all = built->report.findings;
+    all.insert(all.begin(), findings.begin(), findings.end());
+  }
+  return built;
 }
 
 Result<PreparedDomain> prepareDomain(const model::Project& project, const BuildOptions& options,
@@ -78,7 +66,7 @@ Result<PreparedDomain> prepareDomain(const model::Project& project, const BuildO
 }
 
 Result<Build> build(const model::Project& project, const BuildOptions& options, RunContext& run) {
-  if (auto sound = checkProject(project); !sound) return passOn(sound);
+  if (auto sound = model::checkProject(project); !sound) return passOn(sound);
   auto prepared = prepareDomain(project, options, run);
   if (!prepared) return passOn(prepared);
 
@@ -91,12 +79,10 @@ Result<Build> build(const model::Project& project, const BuildOptions& options, 
   tissue::TissueOptions how = tissueOptions(project);
   if (options.alpha) how.alpha = options.alpha;
   {
-    auto cores = tissue::traceCurves(domain, out.tissues, how, run);
-    if (!cores) return passOn(cores);
-    out.cores = std::move(*cores);
-    auto fields = tissue::solveTissueFields(domain, out.cores, out.tissues, how, run);
-    if (!fields) return passOn(fields);
-    out.fields = std::move(*fields);
+    auto solved = tissue::solveTissues(domain, out.tissues, how, run);
+    if (!solved) return passOn(solved);
+    out.cores = std::move(solved->cores);
+    out.fields = std::move(solved->fields);
   }
   {
     envelope::EnvelopeOptions cut;

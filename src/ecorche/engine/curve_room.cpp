@@ -1,4 +1,4 @@
-#include <ecorche/engine/sizing.h>
+#include <ecorche/engine/curve_room.h>
 
 #include <algorithm>
 #include <cmath>
@@ -57,13 +57,31 @@ class Grid {
   }
 };
 
+// Two curves that touch at their ends do not make either muscle thin all along: a running median of
+// five
+std::vector<double> smoothed(const std::vector<double>& radius) {
+  std::vector<double> out = radius;
+  const auto count = static_cast<std::ptrdiff_t>(radius.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    std::vector<double> around(radius.begin() + std::max<std::ptrdiff_t>(0, i - 2),
+                               radius.begin() + std::min(count, i + 3));
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+    std::ranges::nth_element(around, middle);
+    out[static_cast<std::size_t>(i)] = *middle;
+  }
+  return out;
+}
+
 }  // namespace
 
-std::vector<CurveRoom> roomAroundCurves(const std::vector<tissue::CurveTissue>& tissues,
-                                        const mesh::SurfaceMesh& skin, double floor) {
+std::vector<domain::WantedLength> lengthsAlongCurves(
+    const std::vector<tissue::CurveTissue>& tissues, const mesh::SurfaceMesh& skin) {
+  constexpr double kTetsAcross = 8.0;
   const double diagonal = mesh::boundingBox(skin).diagonal();
   const double spacing = 0.004 * diagonal;
   const double reach = 0.15 * diagonal;
+  // Where curves run together muscles are thin anyway
+  const double floor = 0.002 * diagonal;
   constexpr int kSkin = -1;
 
   Grid curves(0.02 * diagonal);
@@ -76,34 +94,31 @@ std::vector<CurveRoom> roomAroundCurves(const std::vector<tissue::CurveTissue>& 
   Grid skinPoints(0.02 * diagonal);
   for (Eigen::Index v = 0; v < skin.V.rows(); ++v) skinPoints.add(skin.V.row(v).transpose(), kSkin);
 
-  std::vector<CurveRoom> rooms;
+  std::vector<domain::WantedLength> out;
   for (std::size_t t = 0; t < tissues.size(); ++t) {
     if (tissues[t].filler) continue;
     for (const auto& curve : tissues[t].curves) {
-      CurveRoom room;
-      room.point = curve.spline.sample(spacing).point;
-      for (const Vector3& p : room.point) {
+      const std::vector<Vector3> points = curve.spline.sample(spacing).point;
+      std::vector<double> radius;
+      for (const Vector3& p : points) {
         const double toCurve = 0.5 * curves.nearestOther(p, static_cast<int>(t), reach);
         // Fat keeps a share of the way to the skin
         const double toSkin = 0.7 * skinPoints.nearestOther(p, static_cast<int>(t), reach);
-        room.radius.push_back(std::max(floor, std::min(toCurve, toSkin)));
+        radius.push_back(std::max(floor, std::min(toCurve, toSkin)));
       }
-      // Two curves that touch at their ends do not make either muscle thin all along: a running
-      // median of five
-      std::vector<double> smooth = room.radius;
-      const auto count = static_cast<std::ptrdiff_t>(smooth.size());
-      for (std::ptrdiff_t i = 0; i < count; ++i) {
-        std::vector<double> around(room.radius.begin() + std::max<std::ptrdiff_t>(0, i - 2),
-                                   room.radius.begin() + std::min(count, i + 3));
-        std::ranges::nth_element(around,
-                                 around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2));
-        smooth[static_cast<std::size_t>(i)] = around[around.size() / 2];
+      radius = smoothed(radius);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        const double length = 2.0 * radius[k] / kTetsAcross;
+        out.push_back({points[k], length});
+        // The whole muscle wants it, not the curve alone: a cross of points towards its surface
+        for (int axis = 0; axis < 3; ++axis) {
+          for (const double side : {-0.6, 0.6})
+            out.push_back({points[k] + side * radius[k] * Vector3::Unit(axis), length});
+        }
       }
-      room.radius = std::move(smooth);
-      rooms.push_back(std::move(room));
     }
   }
-  return rooms;
+  return out;
 }
 
 }  // namespace ecorche::engine
