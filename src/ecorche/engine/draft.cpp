@@ -2,7 +2,6 @@
 #include <ecorche/engine/draft.h>
 #include <ecorche/envelope/envelope.h>
 #include <ecorche/envelope/tissue_surface.h>
-#include <ecorche/mesh/surface_query.h>
 #include <ecorche/tissue/solve_tissues.h>
 
 #include <algorithm>
