@@ -25,7 +25,7 @@ constexpr double kShareOfTets = 2.0 / 3.0;
 constexpr double kTolerance = 2.0;  // of the domain's own
 constexpr double kLargestTolerance = 0.09;
 
-// Measured on the hind limb at 120 k tets against 1.5 M (docs/algorithms/domain.md)
+// Measured on the hind limb at 120 k tets against 1.5 M (docs/decisions.md)
 constexpr double kShare = 0.25;  // of the thickness; the domain scales all lengths to its budget
 constexpr double kBesideFat = 0.75;  // fat has no curve of its own that errs the same way
 constexpr double kTaper = 1.5;       // of the distance to the curve, where a muscle is thin ...
