@@ -18,6 +18,14 @@ LengthField constant(double x) {
   return [x](const Vector3&) { return x; };
 }
 
+/// Both ways, as resampleWalls asks.
+ResampleOptions asked(const LengthField& edgeLength, double tolerance) {
+  return {.edgeLength = edgeLength,
+          .tolerance = constant(tolerance),
+          .loss = constant(1.5 * tolerance),
+          .spacing = 2.0 * tolerance};
+}
+
 double meanEdge(const TaggedSurface& s) {
   double sum = 0.0;
   for (Eigen::Index f = 0; f < s.F.rows(); ++f) {
@@ -48,8 +56,7 @@ TEST_CASE("resampling gives edges of the wanted length within the tolerance, coa
   for (const double length : {0.02, 0.08, 0.15}) {
     RunContext run;
     const double tolerance = 0.01;
-    const auto out =
-        resample(fine, {}, {.edgeLength = constant(length), .tolerance = constant(tolerance)}, run);
+    const auto out = resample(fine, {}, asked(constant(length), tolerance), run);
     REQUIRE(out);
     CHECK(mesh::isClosed(out->F));
     CHECK(mesh::isManifold(out->F));
@@ -64,8 +71,7 @@ TEST_CASE("resampling gives edges of the wanted length within the tolerance, coa
 TEST_CASE("where the surface bends too much for the wanted length, edges stay shorter") {
   const auto fine = tagged(test::sphere({0, 0, 0}, 1.0, 5), {BoundaryTag::Kind::Skin, 0});
   RunContext run;
-  const auto out =
-      resample(fine, {}, {.edgeLength = constant(1.0), .tolerance = constant(0.01)}, run);
+  const auto out = resample(fine, {}, asked(constant(1.0), 0.01), run);
   REQUIRE(out);
   CHECK(farthest(*out, fine) < 0.0105);
   // A sagitta of h²/8 within 0.01 allows edges of about 0.28
@@ -76,8 +82,7 @@ TEST_CASE("where the surface bends too much for the wanted length, edges stay sh
 TEST_CASE("a box keeps its corners, edges and volume") {
   const auto box = tagged(test::box({0, 0, 0}, {1, 2, 3}), {BoundaryTag::Kind::Skin, 0});
   RunContext run;
-  const auto out =
-      resample(box, {}, {.edgeLength = constant(0.2), .tolerance = constant(0.01)}, run);
+  const auto out = resample(box, {}, asked(constant(0.2), 0.01), run);
   REQUIRE(out);
   CHECK(mesh::signedVolume(out->V, out->F) == Approx(6.0).epsilon(1e-9));
   CHECK(meanEdge(*out) == Approx(0.2).epsilon(0.2));
@@ -90,8 +95,7 @@ TEST_CASE("curves between tags stay, and planes stay planes") {
   RunContext run;
   const auto carved = carve(input, {.wrapTolerance = 0.01}, run);
   REQUIRE(carved);
-  const auto out = resample(carved->surface, input.cutPlanes,
-                            {.edgeLength = constant(0.1), .tolerance = constant(0.01)}, run);
+  const auto out = resample(carved->surface, input.cutPlanes, asked(constant(0.1), 0.01), run);
   REQUIRE(out);
   CHECK(mesh::isManifold(out->F));
   double area = 0.0;
@@ -109,8 +113,7 @@ TEST_CASE("an open surface is refused with a place") {
   open.F.conservativeResize(open.F.rows() - 1, 3);
   open.tag.pop_back();
   RunContext run;
-  const auto out =
-      resample(open, {}, {.edgeLength = constant(0.1), .tolerance = constant(0.01)}, run);
+  const auto out = resample(open, {}, asked(constant(0.1), 0.01), run);
   REQUIRE_FALSE(out);
   CHECK(out.error().code == ErrorCode::MeshNotRepairable);
   CHECK(out.error().place.point.has_value());
@@ -158,9 +161,25 @@ TEST_CASE("needles whose corners lie on one line are split to an end") {
   const auto walls = tagged(lid, {BoundaryTag::Kind::Skin, 0});
   RunContext run;
   const auto length = [](const Vector3& p) { return 0.02 + 0.3 * (p - Vector3(0.2, 0, 1)).norm(); };
-  const auto out = resample(walls, {}, {.edgeLength = length, .tolerance = constant(0.002)}, run);
+  const auto out = resample(walls, {}, asked(length, 0.002), run);
   REQUIRE(out);
   CHECK(mesh::isClosed(out->F));
   CHECK(mesh::signedVolume(out->V, out->F) == Approx(1.0).epsilon(1e-9));
   CHECK(out->F.rows() < 20000);
+}
+
+TEST_CASE("bumps that coarse triangles could cut off are kept within the loss") {
+  // Every step moves the surface by less than the tolerance; many of them would add up
+  auto bumpy = tagged(test::sphere({0, 0, 0}, 1.0, 6), {BoundaryTag::Kind::Skin, 0});
+  for (Eigen::Index v = 0; v < bumpy.V.rows(); ++v) {
+    const auto p = bumpy.V.row(v);
+    bumpy.V.row(v) *=
+        1.0 + 0.05 * std::sin(14 * p.x()) * std::sin(14 * p.y()) * std::cos(14 * p.z());
+  }
+  RunContext run;
+  const double tolerance = 0.01;
+  const auto out = resample(bumpy, {}, asked(constant(0.3), tolerance), run);
+  REQUIRE(out);
+  CHECK(farthest(bumpy, *out) <= 1.5 * tolerance);
+  CHECK(out->F.rows() < bumpy.F.rows() / 4);
 }

@@ -41,7 +41,12 @@ double halton(std::int64_t i, int base) {
 class Growth {
  public:
   Growth(const TaggedSurface& walls, const SizingField& sizing, double scale)
-      : walls_(walls), sizing_(sizing), scale_(scale), tree_(walls.V, walls.F), grid_(1 << 16) {
+      : walls_(walls),
+        sizing_(sizing),
+        scale_(scale),
+        box_(mesh::boundingBox(walls.V)),
+        tree_(walls.V, walls.F),
+        grid_(1 << 16) {
     for (int k = 0; k < 8; ++k) {
       steps_.push_back(0.5 * Vector3((k & 1) ? 1 : -1, (k & 2) ? 1 : -1, (k & 4) ? 1 : -1));
     }
@@ -103,6 +108,8 @@ class Growth {
   }
 
   void propose(const Vector3& from, const Vector3& p) {
+    // Where walls cross the lattice may leak; it must not fill all of space then
+    if ((p.array() < box_.lo.array()).any() || (p.array() > box_.hi.array()).any()) return;
     const double a = cell(p);
     if (grid_.taken(p, kClaim * a) || tree_.within(p, kFromWalls * a)) return;
     // From inside to here without crossing a wall: inside
@@ -114,6 +121,7 @@ class Growth {
   const TaggedSurface& walls_;
   const SizingField& sizing_;
   double scale_;
+  mesh::Box box_;
   TriangleTree tree_;
   PointGrid grid_;
   std::vector<Vector3> steps_;  // to the fourteen neighbours, in cells

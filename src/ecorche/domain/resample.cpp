@@ -1,3 +1,4 @@
+#include <ecorche/domain/carried_samples.h>
 #include <ecorche/domain/half_edges.h>
 #include <ecorche/domain/resample.h>
 #include <ecorche/domain/triangle_tree.h>
@@ -31,7 +32,10 @@ class Resampler {
  public:
   Resampler(HalfEdges he, const TaggedSurface& old, const std::vector<CutPlane>& cutPlanes,
             const ResampleOptions& options)
-      : he_(std::move(he)), cutPlanes_(cutPlanes), options_(options) {
+      : he_(std::move(he)),
+        cutPlanes_(cutPlanes),
+        options_(options),
+        samples_(old, options.spacing, options.loss) {
     for (Eigen::Index v = 0; v < old.V.rows(); ++v) place(old.V.row(v).transpose());
     std::map<std::int32_t, std::vector<Eigen::Index>> facesOfTag;
     for (Eigen::Index f = 0; f < old.F.rows(); ++f) {
@@ -181,6 +185,21 @@ class Resampler {
     return near(tag, is[0], is[1], is[2], tolerance);
   }
 
+  /// The faces around v, and the same with v at p, less the two that `collapsing` takes away.
+  void fan(std::int32_t v, const Vector3& p, std::int32_t collapsing = -1) {
+    before_.clear();
+    after_.clear();
+    he_.forOutgoing(v, [&](std::int32_t x) {
+      before_.push_back(he_.face(x));
+      if (collapsing >= 0 && (x == collapsing || he_.apex(x) == he_.to(collapsing))) return;
+      after_.push_back({he_.face(x), {p, pos(he_.to(x)), pos(he_.apex(x))}});
+    });
+  }
+  bool carryAround(std::int32_t v, const Vector3& p) {
+    fan(v, p);
+    return samples_.hand(before_, after_);
+  }
+
   /// The edge to split instead of h: none of its two faces has a longer one [Rivara 1984]. In a
   /// needle, splitting a shorter side leaves sides as long as before, for ever.
   std::int32_t longestNear(std::int32_t h) const {
@@ -217,6 +236,12 @@ class Resampler {
       const Vector3 p = projectedMiddle(h, middle);
       const auto [m, second] = he_.split(h);
       place(p);
+      if (!carryAround(m, p)) {
+        // Where projecting would lose a point of the old surface the two faces are only cut
+        position_.back() = middle;
+        fan(m, middle);
+        samples_.handAnyway(before_, after_);
+      }
       freedom_.push_back(curve ? Freedom::Curve : Freedom::Surface);
       feature_.resize(at(he_.halfEdgeCount() / 2), 0);
       feature_[at(second / 2)] = curve;
@@ -248,12 +273,16 @@ class Resampler {
     std::ranges::sort(queue);
     for (const auto& [ratio, h] : queue) {
       if (!he_.edgeAlive(h) || length(h) >= 0.8 * wanted(h)) continue;
-      if (mayCollapse(h)) {
-        merge(h);
-      } else if (mayCollapse(HalfEdges::opposite(h))) {
-        merge(HalfEdges::opposite(h));
-      }
+      if (!collapse(h)) collapse(HalfEdges::opposite(h));
     }
+  }
+
+  bool collapse(std::int32_t h) {
+    if (!mayCollapse(h)) return false;
+    fan(he_.from(h), pos(he_.to(h)), h);
+    if (!samples_.hand(before_, after_)) return false;
+    merge(h);
+    return true;
   }
 
   bool mayCollapse(std::int32_t h) const {
@@ -333,7 +362,9 @@ class Resampler {
           !mayReplace(he_.tag(h), {pos(b), pos(a), pos(d)}, {pos(c), pos(d), pos(b)}, tolerance)) {
         continue;
       }
-      he_.flip(h);
+      before_ = {he_.face(h), he_.face(o)};
+      after_ = {{he_.face(h), {pos(d), pos(c), pos(a)}}, {he_.face(o), {pos(c), pos(d), pos(b)}}};
+      if (samples_.hand(before_, after_)) he_.flip(h);
     }
   }
 
@@ -350,7 +381,7 @@ class Resampler {
         good = good && mayReplace(he_.tag(x), {pos(v), b, a}, {p, b, a}, tolerance_[at(v)]);
         if (good && isFeature(x)) good = curves_.within(0.5 * (p + b), tolerance_[at(v)]);
       });
-      if (!good) continue;
+      if (!good || !carryAround(v, p)) continue;
       position_[at(v)] = p;
       wanted_[at(v)] = options_.edgeLength(p);
       tolerance_[at(v)] = options_.tolerance(p);
@@ -396,6 +427,9 @@ class Resampler {
   std::vector<std::uint8_t> feature_;  // per edge
   std::map<std::int32_t, TriangleTree> trees_;
   TriangleTree curves_;
+  CarriedSamples samples_;
+  std::vector<std::int32_t> before_;  // of the step that is being looked at
+  std::vector<CarriedSamples::NewFace> after_;
 };
 
 }  // namespace

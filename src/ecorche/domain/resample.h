@@ -13,6 +13,8 @@ using LengthField = std::function<double(const mesh::Vector3&)>;
 struct ResampleOptions {
   LengthField edgeLength;  ///< wanted length of edges
   LengthField tolerance;   ///< how far new triangles may lie from the old surface
+  LengthField loss;        ///< how far points of the old surface may lie from the new triangles
+  double spacing = 0.0;    ///< of those points [m, > 0]
   int rounds = 4;          ///< of split, collapse, flip and relax
 };
 
@@ -21,8 +23,9 @@ struct ResampleOptions {
 /// Curves between different tags, and ridges sharper than 60°, stay curves; their ends and corners
 /// stay vertices. Vertices slide on the old surface of their own tag, so vertices on a cut plane
 /// stay on it exactly. A step that would take the middle of an edge or of a triangle further than
-/// the tolerance from the old surface is not taken: where the surface bends much, edges stay
-/// shorter than wanted.
+/// the tolerance from the old surface, or the new surface further than the loss from a point of the
+/// old one, is not taken: where the surface bends much, and at tips, edges stay shorter than
+/// wanted.
 ///
 /// @param surface  closed and manifold
 /// @errors  MeshNotRepairable where it is not, Cancelled

@@ -14,11 +14,12 @@ namespace {
 
 using mesh::Vector3;
 
-constexpr double kSlack = 0.5;  // of the tolerance, for new triangles against the old surface
-constexpr double kAccepted =
-    0.85;  // of the tolerance, for points of the old surface against the new
+// Shares of the tolerance
+constexpr double kSlack = 0.5;      // for new triangles against the old surface
+constexpr double kLoss = 0.75;      // for points of the old surface that are carried along
+constexpr double kAccepted = 0.85;  // for all points of the old surface, in the end
 constexpr int kRounds = 8;
-constexpr double kReach = 4.0;  // edges over which a stricter place wears off
+constexpr double kReach = 2.0;  // edges over which a stricter place wears off
 
 Vector3 corner(const TaggedSurface& s, Eigen::Index f, int k) {
   return s.V.row(s.F(f, k)).transpose();
@@ -58,10 +59,12 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
   SizingField factor(sizing.box(), strict, 1.0, 1.0);
   WallResampling out;
   for (;; ++out.rounds) {
+    const auto share = [&](const Vector3& p) { return std::pow(factor.at(p), 1.5) * tolerance; };
     const ResampleOptions how{
         .edgeLength = [&](const Vector3& p) { return factor.at(p) * scale * sizing.at(p); },
-        .tolerance =
-            [&](const Vector3& p) { return std::pow(factor.at(p), 1.5) * kSlack * tolerance; }};
+        .tolerance = [&](const Vector3& p) { return kSlack * share(p); },
+        .loss = [&](const Vector3& p) { return kLoss * share(p); },
+        .spacing = kSampleSpacing * tolerance};
     auto resampled = resample(surface, cutPlanes, how, run);
     if (!resampled) return passOn(resampled);
     out.walls = std::move(*resampled);

@@ -17,8 +17,8 @@ struct WallResampling {
 /// Resamples the carved surface to scale · sizing so that it lies within the tolerance both ways
 /// and nowhere crosses itself.
 ///
-/// Resampling watches how far new triangles stray from the old surface; tips that it cuts off, and
-/// walls of a narrow gap that cross once both are coarse, are seen only afterwards. Around such
+/// What resampling does not watch is seen only afterwards: walls of a narrow gap that cross once
+/// both are coarse, and points of the old surface between those that it carries along. Around such
 /// places it is done again with half the length and a third of the slack, and so on.
 /// @errors  those of resample
 [[nodiscard]] Result<WallResampling> resampleWalls(const TaggedSurface& surface,
