@@ -88,6 +88,46 @@ TEST_CASE("a curve in a cylinder has the field of the exact logarithm, on coarse
   }
 }
 
+TEST_CASE("vertices beside a curve have the line's own field, which linear functions miss") {
+  const LineInCylinder exact{1.0, 0.01, 0.23};
+  for (const int cells : {12, 20}) {
+    const double h = 2.0 / cells;
+    // Relative, root mean square over vertices within an edge of the line, away from its ends
+    double raw = 0.0;
+    double corrected = 0.0;
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const Domain domain = test::cylinderDomain(exact.R, 0.8, cells, seed);
+      TissueOptions options;
+      options.coreRadius = exact.rho;
+      const std::vector<CurveTissue> one{muscle("m", {{exact.e, 0.0, -0.1}, {exact.e, 0.0, 0.9}})};
+      RunContext run;
+      auto cores = traceCurves(domain, one, options, run);
+      REQUIRE(cores.has_value());
+      const auto with = solveTissueFields(domain, *cores, one, options, run);
+      cores->nearCurves.clear();
+      const auto without = solveTissueFields(domain, *cores, one, options, run);
+      REQUIRE(with.has_value());
+      REQUIRE(without.has_value());
+      for (Eigen::Index v = 0; v < domain.mesh.V.rows(); ++v) {
+        const Vector3 p = domain.mesh.V.row(v).transpose();
+        const double r = std::hypot(p.x() - exact.e, p.y());
+        if (r < 0.2 * h || r > 0.9 * h || p.z() < h || p.z() > 0.8 - h) continue;
+        const double f = exact.field(p.x(), p.y());
+        raw += std::pow(without->values(v, 1) / f - 1.0, 2);
+        corrected += std::pow(with->values(v, 1) / f - 1.0, 2);
+        ++count;
+      }
+    }
+    raw = std::sqrt(raw / count);
+    corrected = std::sqrt(corrected / count);
+    REQUIRE(count > 20);
+    INFO(cells << " cells: " << raw << " raw, " << corrected << " corrected");
+    CHECK(raw > 0.03);
+    CHECK(corrected < 0.35 * raw);
+  }
+}
+
 TEST_CASE(
     "refinement keeps a muscle's volume with well weights and shrinks it with the paper's rows") {
   TissueOptions well;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 namespace ecorche::tissue {
 
@@ -25,6 +26,7 @@ struct Job {
   std::size_t tissue = 0;
   std::size_t curve = 0;
   std::vector<CoreSample> samples;
+  std::vector<NearCurve> nearCurves;  // samples counted within the job
   Findings findings;
   double covered = 0.0;  // [m]
   double length = 0.0;   // [m]
@@ -161,6 +163,35 @@ void addRim(const CurveWalker& walker, const Domain& domain, const CoreSample& m
   }
 }
 
+// Of all rows of a curve that know a vertex, the nearest speaks for it.
+class NearestSamples {
+ public:
+  void add(const Domain& domain, const Well& well, const Vector3& at, std::int32_t sample) {
+    for (const LineError& e : well.errors) {
+      const double away2 = (domain.mesh.V.row(e.vertex).transpose() - at).squaredNorm();
+      entries_.push_back({{e.vertex, sample, e.error}, away2});
+    }
+  }
+  std::vector<NearCurve> byVertex() {
+    std::ranges::sort(entries_, [](const Entry& a, const Entry& b) {
+      return std::tie(a.what.vertex, a.away2, a.what.sample) <
+             std::tie(b.what.vertex, b.away2, b.what.sample);
+    });
+    std::vector<NearCurve> out;
+    for (const Entry& e : entries_) {
+      if (out.empty() || out.back().vertex != e.what.vertex) out.push_back(e.what);
+    }
+    return out;
+  }
+
+ private:
+  struct Entry {
+    NearCurve what;
+    double away2;  // [m²]
+  };
+  std::vector<Entry> entries_;
+};
+
 void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue& tissue,
               const TissueOptions& options, Job& job) {
   const TissueCurve& curve = tissue.curves[job.curve];
@@ -188,6 +219,7 @@ void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue
   if (job.error) return;
 
   const double rho = coreRadius(tissue, options, domain);
+  NearestSamples nearest;
   for (const CurvePiece& piece : walk.pieces) {
     const double s0 = curve.spline.lengthTo(piece.u0);
     const double s1 = curve.spline.lengthTo(piece.u1);
@@ -211,14 +243,16 @@ void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue
       job.samples.push_back(sample);
       continue;
     }
-    const double line = wellRadius(domain, piece.tet, middle, sample.tangent, h);
-    if (line >= rho) {
-      sample.weight = wellWeight(rho, line) * sample.length;
+    const Well well = wellAround(domain, {middle, piece.tet}, sample.tangent, h, rho);
+    if (well.radius >= rho) {
+      sample.weight = wellWeight(rho, well.radius) * sample.length;
+      nearest.add(domain, well, middle, static_cast<std::int32_t>(job.samples.size()));
       job.samples.push_back(sample);
     } else {
-      addRim(walker, domain, sample, middle, rho, line, job.samples);
+      addRim(walker, domain, sample, middle, rho, well.radius, job.samples);
     }
   }
+  job.nearCurves = nearest.byVertex();
 }
 
 }  // namespace
@@ -266,6 +300,11 @@ Result<CoreSamples> traceCurves(const CurveWalker& walker, const Domain& domain,
   std::vector<double> length(tissues.size(), 0.0);
   for (Job& job : jobs) {
     if (job.error) return tl::unexpected<Error>(std::move(*job.error));
+    const auto before = static_cast<std::int32_t>(out.samples.size());
+    for (NearCurve near : job.nearCurves) {
+      near.sample += before;
+      out.nearCurves.push_back(near);
+    }
     out.samples.insert(out.samples.end(), job.samples.begin(), job.samples.end());
     out.findings.insert(out.findings.end(), job.findings.begin(), job.findings.end());
     covered[job.tissue] += job.covered;

@@ -28,10 +28,19 @@ struct CoreSample {
   mesh::Vector3 tangent = mesh::Vector3::UnitX();
 };
 
+/// What the tets make of the line at a vertex near a curve: with flux q per length at the sample,
+/// fields come out too large by q times the error.
+struct NearCurve {
+  std::int32_t vertex = -1;
+  std::int32_t sample = -1;  ///< of the curve's, the one nearest to the vertex
+  double error = 0.0;        // [unitless]
+};
+
 /// Where every curve touches the domain.
 struct CoreSamples {
-  std::vector<CoreSample> samples;  ///< by tissue, curve, parameter
-  Findings findings;                ///< pieces of curve lost in bone, ends pulled onto bone …
+  std::vector<CoreSample> samples;    ///< by tissue, curve, parameter
+  std::vector<NearCurve> nearCurves;  ///< by tissue, curve, vertex; none with the paper's rows
+  Findings findings;                  ///< pieces of curve lost in bone, ends pulled onto bone …
   std::vector<double>
       coveredShare;  ///< per tissue: share of its curves' length that lies in the domain
 };

@@ -3,6 +3,7 @@
 #include <ecorche/mesh/cholesky.h>
 #include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/anisotropy.h>
+#include <ecorche/tissue/near_curves.h>
 #include <ecorche/tissue/tissue_solver.h>
 
 #include <algorithm>
@@ -351,6 +352,8 @@ Result<TissueFields> TissueSolver::solve(const CoreSamples& cores,
       f[static_cast<Eigen::Index>(i) + 1] = own[i].size() > 0 ? own[i][r] : X(r, column[i]);
     }
   });
+
+  correctNearCurves(I.domain, cores, target, out.values);
 
   // How far poor tets break the maximum principle
   if (out.maxValue > 0.0) {

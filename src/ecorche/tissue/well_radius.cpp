@@ -62,6 +62,7 @@ class Arrivals {
 struct Patch {
   struct Node {
     Vector3 at;
+    std::int32_t vertex;
     bool free = true;  // within reach and not on the boundary
     std::int32_t row = -1;
     double line = 0.0;  // the line's field where it is prescribed
@@ -92,7 +93,7 @@ Patch gather(const Domain& domain, std::span<const WellPoint> points, const Vect
       const auto [place, fresh] = nodeOf.add(v);
       if (fresh) {
         const Vector3 at = (domain.mesh.V.row(v).transpose() - centre) / reach;
-        patch.nodes.push_back({at, at.squaredNorm() < 1.0, -1, 0.0});
+        patch.nodes.push_back({at, v, at.squaredNorm() < 1.0, -1, 0.0});
       }
       n[static_cast<std::size_t>(k)] = place;
     }
@@ -184,39 +185,52 @@ std::optional<Eigen::VectorXd> solve(const std::vector<Eigen::Triplet<double>>& 
   return factor.solve(b);
 }
 
-}  // namespace
+double lineField(double r) { return -std::log(r) / (2.0 * std::numbers::pi); }
 
-double wellRadius(const Domain& domain, std::span<const WellPoint> points, const Vector3& tangent,
-                  double h) {
-  EC_REQUIRE(!points.empty());
-  const double flux = 1.0 / static_cast<double>(points.size());
-  Vector3 centre = Vector3::Zero();
-  for (const WellPoint& point : points) centre += flux * point.p;
-  double spread = 0.0;
-  for (const WellPoint& point : points) spread = std::max(spread, (point.p - centre).norm());
-  const double reach = std::max(kWellReach * h, spread + h);
+double awayFrom(const Vector3& line, const Vector3& tangent, const Vector3& p) {
+  const Vector3 to = p - line;
+  return (to - to.dot(tangent) * tangent).norm();
+}
+
+// A patch solved for lines of shared flux through the points, lengths in reaches
+struct SolvedPatch {
+  Patch patch;
   std::vector<std::int32_t> tetOfPoint;
-  Patch patch = gather(domain, points, centre, reach, tetOfPoint);
+  Vector3 centre;
+  double reach = 1.0;
+  double spread = 0.0;        // of the points about their centre [m]
+  std::vector<Vector3> line;  // a point of each
+  std::optional<Eigen::VectorXd> u;
+};
+
+SolvedPatch solveAround(const Domain& domain, std::span<const WellPoint> points,
+                        const Vector3& tangent, double h) {
+  EC_REQUIRE(!points.empty());
+  SolvedPatch out;
+  const double flux = 1.0 / static_cast<double>(points.size());
+  out.centre = Vector3::Zero();
+  for (const WellPoint& point : points) out.centre += flux * point.p;
+  for (const WellPoint& point : points)
+    out.spread = std::max(out.spread, (point.p - out.centre).norm());
+  out.reach = std::max(kWellReach * h, out.spread + h);
+  out.patch = gather(domain, points, out.centre, out.reach, out.tetOfPoint);
+  Patch& patch = out.patch;
 
   // A line in a common face would count twice or not at all, so each is moved into the tet of its
   // point by a hair
-  std::vector<Vector3> line;
   for (std::size_t i = 0; i < points.size(); ++i) {
     Vector3 middle = Vector3::Zero();
-    for (const std::int32_t n : patch.tets[static_cast<std::size_t>(tetOfPoint[i])]) {
+    for (const std::int32_t n : patch.tets[static_cast<std::size_t>(out.tetOfPoint[i])]) {
       middle += 0.25 * patch.nodes[static_cast<std::size_t>(n)].at;
     }
-    const Vector3 x = (points[i].p - centre) / reach;
-    line.push_back(x + 1e-6 * (middle - x));
+    const Vector3 x = (points[i].p - out.centre) / out.reach;
+    out.line.push_back(x + 1e-6 * (middle - x));
   }
   // Exact field where it is prescribed; a vertex of the boundary may lie on a line itself
   for (Patch::Node& node : patch.nodes) {
     if (node.free) continue;
-    for (const Vector3& x : line) {
-      const Vector3 to = node.at - x;
-      const double r = (to - to.dot(tangent) * tangent).norm();
-      node.line -= flux * std::log(std::max(r, 0.1)) / (2.0 * std::numbers::pi);
-    }
+    for (const Vector3& x : out.line)
+      node.line += flux * lineField(std::max(awayFrom(x, tangent, node.at), 0.1));
   }
 
   std::vector<Eigen::Triplet<double>> K;
@@ -243,27 +257,55 @@ double wellRadius(const Domain& domain, std::span<const WellPoint> points, const
         }
       }
     }
-    for (const Vector3& x : line) addLine(frame, x, tangent, flux, rows, b);
+    for (const Vector3& x : out.line) addLine(frame, x, tangent, flux, rows, b);
   }
 
+  out.u = solve(K, b);
+  return out;
+}
+
+double radiusOf(const SolvedPatch& solved, std::span<const WellPoint> points, double h) {
   const double guess = kWellC * h;
-  const auto solved = solve(K, b);
-  if (!solved) return guess;
-  const Eigen::VectorXd& u = *solved;
+  if (!solved.u) return guess;
+  const Patch& patch = solved.patch;
   double reads = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto t = static_cast<std::size_t>(tetOfPoint[i]);
+    const auto t = static_cast<std::size_t>(solved.tetOfPoint[i]);
     const TetFrame frame(patch, t);
-    const Eigen::Vector4d own = frame.at + frame.slopes * ((points[i].p - centre) / reach);
+    const Eigen::Vector4d own =
+        frame.at + frame.slopes * ((points[i].p - solved.centre) / solved.reach);
     for (std::size_t k = 0; k < 4; ++k) {
       const Patch::Node& node = patch.nodes[static_cast<std::size_t>(patch.tets[t][k])];
-      reads += flux * own[static_cast<int>(k)] * (node.row >= 0 ? u[node.row] : node.line);
+      reads += own[static_cast<int>(k)] * (node.row >= 0 ? (*solved.u)[node.row] : node.line);
     }
   }
-  const double radius = reach * std::exp(-2.0 * std::numbers::pi * reads);
-  if (!std::isfinite(radius)) return std::max(guess, spread);
-  return std::clamp(radius, std::max(kLeastWell * guess, 0.9 * spread),
-                    guess / kLeastWell + spread);
+  reads /= static_cast<double>(points.size());
+  const double radius = solved.reach * std::exp(-2.0 * std::numbers::pi * reads);
+  if (!std::isfinite(radius)) return std::max(guess, solved.spread);
+  return std::clamp(radius, std::max(kLeastWell * guess, 0.9 * solved.spread),
+                    guess / kLeastWell + solved.spread);
+}
+
+}  // namespace
+
+Well wellAround(const Domain& domain, const WellPoint& point, const Vector3& tangent, double h,
+                double coreRadius) {
+  const std::span<const WellPoint> points(&point, 1);
+  const SolvedPatch solved = solveAround(domain, points, tangent, h);
+  Well out{radiusOf(solved, points, h), {}};
+  if (!solved.u || !solved.u->allFinite()) return out;
+  const double nearest = std::max(coreRadius, kNearLine * h) / solved.reach;
+  for (const Patch::Node& node : solved.patch.nodes) {
+    if (node.row < 0) continue;
+    const double r = std::max(awayFrom(solved.line[0], tangent, node.at), nearest);
+    out.errors.push_back({node.vertex, (*solved.u)[node.row] - lineField(r)});
+  }
+  return out;
+}
+
+double wellRadius(const Domain& domain, std::span<const WellPoint> points, const Vector3& tangent,
+                  double h) {
+  return radiusOf(solveAround(domain, points, tangent, h), points, h);
 }
 
 double wellRadius(const Domain& domain, std::int32_t tet, const Vector3& p, const Vector3& tangent,

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <ecorche/tissue/tissue_fields.h>
+
+#include <span>
+
+namespace ecorche::tissue {
+
+/// Takes off the fields what linear functions make wrong of a line's logarithm.
+///
+/// Tets that are as wide as a muscle cannot follow the field near its curve: with the flux right,
+/// vertices beside the curve are still some percent too low, the more so the coarser the tets, and
+/// muscles too thin. How much a line of unit flux is off there is known (wellAround), and so is the
+/// flux that each row sends into, or takes out of, every field: W/ℓ (δ_ij D_i − B f_j)
+/// (docs/algorithms/tissue_fields.md). In an anisotropic medium weight and resistance of a line
+/// change by the same factor, so the same product is used there; that the tets are stretched in its
+/// metric is left aside.
+///
+/// @param targets  tissue value at every sample
+/// @param values   solved fields, all rows; linear in the tissue values before and after
+void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
+                       std::span<const double> targets, FieldMatrix& values);
+
+}  // namespace ecorche::tissue
