@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli.h"
 #include "counts.h"
@@ -23,6 +24,7 @@ struct BenchArguments {
   std::string project;
   std::vector<std::string> tets{"120k", "300k", "640k", "1.5M"};
   std::vector<double> factors{1024.0, 1000.0};
+  std::string size;  // of the domain that is scaled
 };
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
@@ -163,9 +165,15 @@ Result<void> runResolution(const BenchArguments& args, Session& session) {
 }
 
 Result<void> runScale(const BenchArguments& args, Session& session) {
+  std::optional<std::int64_t> tets;
+  if (!args.size.empty()) {
+    auto count = parseCount(args.size);
+    if (!count) return passOn(count);
+    tets = *count;
+  }
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
-  auto cases = engine::benchScale(*project, args.factors, session.run);
+  auto cases = engine::benchScale(*project, args.factors, tets, session.run);
   if (!cases) return passOn(cases);
   const auto tissues = engine::curveTissues(*project);
   Json json = header("scale");
@@ -217,10 +225,11 @@ void addBench(CLI::App& app, Commands& commands) {
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  scale->add_option("--tets", args->size, "Size of the domain instead of the project's");
   bench->footer(
       "Examples:\n"
       "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
-      "  ecorche bench scale hind-limb.ecorche --json");
+      "  ecorche bench scale hind-limb.ecorche --tets 640k --json");
   commands.push_back({resolution, [args](Session& s) { return runResolution(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
 }

@@ -67,7 +67,7 @@ TEST_CASE("the model times 1024 gets the same tets, draft and all") {
   const auto project = model::loadProject(p.at("limb.ecorche"));
   REQUIRE(project);
   RunContext run;
-  const auto cases = engine::benchScale(*project, {1024.0}, run);
+  const auto cases = engine::benchScale(*project, {1024.0}, std::nullopt, run);
   if (!cases) FAIL(cases.error().text());
   CHECK(cases->at(0).sameTets);
   CHECK(cases->at(0).shareChange == 0.0);

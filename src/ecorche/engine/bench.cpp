@@ -38,11 +38,11 @@ struct Solved {
 };
 
 Result<Solved> solve(const model::Project& project, ProjectMeshes meshes, double factor,
-                     RunContext& run) {
+                     std::optional<std::int64_t> tets, RunContext& run) {
   const model::Project own = scaled(project, factor);
   meshes.skin.V *= factor;
   for (auto* list : {&meshes.bones, &meshes.obstacles, &meshes.cavities}) scale(*list, factor);
-  auto built = buildDomainOf(own, meshes, {}, run);
+  auto built = buildDomainOf(own, meshes, {.tets = tets}, run);
   if (!built) return passOn(built);
   const auto solved =
       tissue::solveTissues(built->domain, curveTissues(own), tissueOptions(own), run);
@@ -75,17 +75,18 @@ Result<ResolutionBench> benchResolution(const model::Project& project,
 }
 
 Result<std::vector<ScaleCase>> benchScale(const model::Project& project,
-                                          const std::vector<double>& factors, RunContext& run) {
+                                          const std::vector<double>& factors,
+                                          std::optional<std::int64_t> tets, RunContext& run) {
   if (auto sound = model::checkProject(project); !sound) return passOn(sound);
   auto meshes = loadMeshes(project, run);
   if (!meshes) return passOn(meshes);
   const auto tissues = curveTissues(project);
-  const auto reference = solve(project, *meshes, 1.0, run);
+  const auto reference = solve(project, *meshes, 1.0, tets, run);
   if (!reference) return passOn(reference);
 
   std::vector<ScaleCase> out;
   for (const double factor : factors) {
-    const auto solved = solve(project, *meshes, factor, run);
+    const auto solved = solve(project, *meshes, factor, tets, run);
     if (!solved) return passOn(solved);
     ScaleCase c;
     c.factor = factor;

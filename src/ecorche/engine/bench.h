@@ -4,6 +4,7 @@
 #include <ecorche/tissue/resolution.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace ecorche::engine {
@@ -37,10 +38,12 @@ struct ScaleCase {
   std::size_t tissue = 0;      ///< which one
 };
 
+/// @param tets  size of the domain; unset: as the project says
 /// @return  one case per factor, each against factor 1
 /// @errors  those of build; Cancelled
 [[nodiscard]] Result<std::vector<ScaleCase>> benchScale(const model::Project& project,
                                                         const std::vector<double>& factors,
+                                                        std::optional<std::int64_t> tets,
                                                         RunContext& run);
 
 }  // namespace ecorche::engine
