@@ -21,16 +21,16 @@ endif()
 
 # ecorche_add_module(mesh SOURCES ... PUBLIC libs PRIVATE libs) makes ecorche::mesh.
 #
-# UNSANITIZED names sources that preset `dev` compiles without its sanitizers: those that instantiate CGAL's large
-# algorithms, where both sanitizers together take five times as long and up to 4 GB each (uncross.cpp did not end within
-# six minutes). What is lost: a wrong access or overflow in CGAL's code, or in ours within these files, goes unseen until
-# it touches heap that someone else has freed or until instrumented code meets the result. Whether memory handed to
-# them is freed once, and everything that they return, is still seen.
+# UNSANITIZED names sources that presets `dev` and `fuzz` compile without their sanitizers: those that instantiate CGAL's
+# large algorithms, where both sanitizers together take five times as long and up to 4 GB each (uncross.cpp did not end
+# within six minutes). What is lost: a wrong access or overflow in CGAL's code, or in ours within these files, goes
+# unseen until it touches heap that someone else has freed or until instrumented code meets the result. Whether memory
+# handed to them is freed once, and everything that they return, is still seen.
 function(ecorche_add_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;UNSANITIZED;PUBLIC;PRIVATE" ${ARGN})
   set(target ecorche_${name})
   add_library(${target} STATIC ${ARG_SOURCES} ${ARG_UNSANITIZED})
-  if(ECORCHE_SANITIZE AND ARG_UNSANITIZED)
+  if((ECORCHE_SANITIZE OR ECORCHE_FUZZ) AND ARG_UNSANITIZED)
     set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES COMPILE_OPTIONS "-fno-sanitize=all;-g1")
   endif()
   add_library(ecorche::${name} ALIAS ${target})
