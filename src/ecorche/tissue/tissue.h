@@ -35,12 +35,15 @@ struct CurveTissue {
   Anisotropy anisotropy;
 };
 
-/// What the energies are weighed with.
+/// What the energies are weighed with, and how they are minimised.
 struct TissueOptions {
   double fat = 0.3;  ///< value of the fat field on skin. 0: fat is no candidate [unitless]
   std::optional<double> coreRadius;  ///< [m]. Unset: 0.1 % of the skin's diagonal
   std::optional<double>
       alpha;  ///< the paper's constant row weight instead of well weights, for comparison
+  /// Of BLAS in the factorisation that all tissues share. 1: the same bytes on any number of
+  /// threads; 0: as many as the process was given, for last bits that nobody keeps.
+  int factorThreads = 1;
 };
 
 }  // namespace ecorche::tissue

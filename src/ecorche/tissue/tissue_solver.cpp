@@ -299,7 +299,7 @@ Result<TissueFields> TissueSolver::solve(const CoreSamples& cores,
     std::vector<double> K = I.L;
     I.addCores(
         cores, [](const CoreSample& s) { return s.weight; }, K);
-    const mesh::Cholesky factor(*I.symbolic, K);
+    const mesh::Cholesky factor(*I.symbolic, K, options.factorThreads);
     if (!factor.ok()) return I.singular(factor, "the tissue fields");
     run.progress("tissue fields", 0.5);
     if (run.cancelled()) return cancelled();

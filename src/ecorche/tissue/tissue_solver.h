@@ -16,8 +16,8 @@ namespace ecorche::tissue {
 /// @param cores    rows of every curve, from traceCurves with the same tissues and options
 /// @return  fields, unchanged when the model is moved, turned or uniformly scaled; permuting the
 /// tissues permutes them;
-///          how far they leave [0, largest value] on poor tets is in the result. The same bytes for
-///          the same number of threads.
+///          how far they leave [0, largest value] on poor tets is in the result. The same bytes on
+///          any number of threads, unless options say otherwise.
 /// @errors  ComponentWithoutSkin (and without curve), SystemSingular (with the place), Cancelled
 ///
 /// Costs one analysis and one factorisation for fat and all isotropic tissues, and one more
