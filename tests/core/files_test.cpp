@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <fstream>
+#include <thread>
+#include <vector>
 
 #include "support/paths.h"
 
@@ -50,6 +53,49 @@ TEST_CASE("a staged folder never replaces what somebody else left there") {
   CHECK(foreign.error().message.find("\"diary.txt\"") != std::string::npos);
   CHECK(fs::exists(target / "diary.txt"));
   CHECK(std::distance(fs::directory_iterator(temp.path()), {}) == 1);
+}
+
+TEST_CASE("what somebody puts there while a folder is staged is not lost either") {
+  test::TempFolder temp;
+  const fs::path target = temp.path() / "out";
+  auto staged = StagedFolder::create(target, {"mark", {"mark"}});
+  REQUIRE(staged);
+  fs::create_directory(target);
+  std::ofstream(target / "diary.txt") << "x";
+  const auto done = staged->commit();
+  REQUIRE_FALSE(done);
+  CHECK(done.error().code == ErrorCode::FileNotWritable);
+  CHECK(done.error().message.find("\"diary.txt\"") != std::string::npos);
+  CHECK(fs::exists(target / "diary.txt"));
+}
+
+TEST_CASE("many may write one folder or file at once: all succeed, and one of them stands there") {
+  test::TempFolder temp;
+  const fs::path target = temp.path() / "deep" / "out";
+  constexpr int kWriters = 4, kTimes = 60;
+  std::atomic<int> refused{0};
+  {
+    std::vector<std::jthread> writers;
+    for (int w = 0; w < kWriters; ++w) {
+      writers.emplace_back([&, w] {
+        for (int k = 0; k < kTimes; ++k) {
+          const auto text = fmt::format("{} {}", w, k);
+          auto staged = StagedFolder::create(target, {"a", {"a", "b"}});
+          if (staged) {
+            for (const char* file : {"a", "b"}) std::ofstream(staged->path() / file) << text;
+          }
+          // Some give up, and take with them what nobody else uses
+          if (k % 5 != 4 && !(staged && staged->commit())) ++refused;
+          if (!writeFileWhole(temp.path() / "file", text)) ++refused;
+        }
+      });
+    }
+  }
+  CHECK(refused == 0);
+  CHECK(readFile(target / "a").value() == readFile(target / "b").value());
+  CHECK(readFile(temp.path() / "file"));
+  CHECK(std::distance(fs::directory_iterator(temp.path()), {}) == 2);
+  CHECK(std::distance(fs::directory_iterator(target.parent_path()), {}) == 1);
 }
 
 TEST_CASE("parents made for a staged folder go with it") {

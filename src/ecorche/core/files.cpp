@@ -122,6 +122,7 @@ Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
 
 struct StagedFolder::Impl {
   fs::path target;
+  Replaceable ours;
   fs::path staged;
   std::optional<Claim> claim;
   std::vector<fs::path> madeParents;  // outermost first
@@ -155,6 +156,12 @@ std::optional<std::string> foreignEntry(const fs::path& folder, const Replaceabl
   }
   if (ours.mark.empty() || !fs::exists(folder / ours.mark, ec)) return first;
   return std::nullopt;
+}
+
+std::string wouldBeLost(const std::string& entry) {
+  return fmt::format(
+      "this folder holds \"{}\", which was not written here and would be lost; name a new folder",
+      entry);
 }
 
 void flushFolder(const fs::path& folder) {
@@ -200,34 +207,31 @@ Result<StagedFolder> StagedFolder::create(const fs::path& target, const Replacea
   if (target.empty()) return notWritable(target, "the output has no name; name a folder");
   auto impl = std::make_unique<Impl>();
   impl->target = absoluteTarget(target);
+  impl->ours = ours;
   std::error_code ec;
   if (fs::exists(impl->target, ec)) {
     if (!fs::is_directory(impl->target, ec))
       return notWritable(target, "the output is a file, a folder is needed; name another");
     if (!impl->target.has_filename())
       return notWritable(target, "the root of the file system cannot be replaced; name a folder");
-    if (const auto foreign = foreignEntry(impl->target, ours)) {
-      return notWritable(
-          target, fmt::format("this folder holds \"{}\", which was not written here and would "
-                              "be lost; name a new folder",
-                              *foreign));
-    }
+    if (const auto foreign = foreignEntry(impl->target, ours))
+      return notWritable(target, wouldBeLost(*foreign));
     // Renaming needs write permission on the parent; replacing needs it on the old folder as well
     if (::access(impl->target.c_str(), W_OK) != 0)
       return notWritable(
           target, "the output folder may not be written; change its permissions or name another");
   }
-  if (auto made = makeParents(impl->target, impl->madeParents); !made) return passOn(made);
   removeUnclaimed(impl->target.parent_path(), stagingPrefix(impl->target));
-  // Somebody who clears up may take the folder away before we hold it
+  // Somebody who clears up may take the folder away before we hold it, or its parents
   for (int attempt = 0; attempt < kAttempts && !impl->claim; ++attempt) {
     if (!impl->staged.empty() && fs::exists(impl->staged, ec))
       break;  // a file system without locks
+    if (auto made = makeParents(impl->target, impl->madeParents); !made) return passOn(made);
     const fs::path staged = stagingPath(impl->target);
     if (::mkdir(staged.c_str(), 0777) == 0) {
       impl->staged = staged;
       impl->claim = Claim::take(staged);
-    } else if (errno != EEXIST) {
+    } else if (errno != EEXIST && errno != ENOENT) {
       break;
     }
   }
@@ -249,23 +253,37 @@ Result<void> StagedFolder::commit() {
   };
   // Files were flushed one by one; their names are the folders' content
   flushFolders(impl_->staged);
+  // Much may have happened there since create()
+  if (const auto foreign = foreignEntry(impl_->target, impl_->ours))
+    return notWritable(impl_->target, wouldBeLost(*foreign));
   std::error_code ec;
+#ifdef RENAME_EXCHANGE
+  // Swap old and new in one step, so that the name never stands for nothing; then drop the old one.
+  // Where there is none yet, take the name unless another program does so first: then swap
+  const auto renameAs = [&](unsigned flags) {
+    return ::renameat2(AT_FDCWD, impl_->staged.c_str(), AT_FDCWD, impl_->target.c_str(), flags) ==
+           0;
+  };
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const bool fresh = renameAs(RENAME_NOREPLACE);
+    if (!fresh && errno != EEXIST) break;
+    if (!fresh && !renameAs(RENAME_EXCHANGE)) {
+      if (errno == ENOENT) continue;  // and gone again
+      break;
+    }
+    impl_->committed = true;
+    flushFolder(impl_->target.parent_path());
+    if (!fresh) fs::remove_all(impl_->staged, ec);
+    return {};
+  }
+#endif
+  // A file system that knows neither
   if (!fs::exists(impl_->target, ec)) {
     if (::rename(impl_->staged.c_str(), impl_->target.c_str()) != 0) return refuse("rename");
     impl_->committed = true;
     flushFolder(impl_->target.parent_path());
     return {};
   }
-  // Swap old and new in one step, so that the name never stands for nothing; then drop the old one.
-#ifdef RENAME_EXCHANGE
-  if (::renameat2(AT_FDCWD, impl_->staged.c_str(), AT_FDCWD, impl_->target.c_str(),
-                  RENAME_EXCHANGE) == 0) {
-    impl_->committed = true;
-    flushFolder(impl_->target.parent_path());
-    fs::remove_all(impl_->staged, ec);
-    return {};
-  }
-#endif
   const fs::path old = stagingPath(impl_->target);
   if (::rename(impl_->target.c_str(), old.c_str()) != 0) return refuse("replace");
   if (::rename(impl_->staged.c_str(), impl_->target.c_str()) != 0) {
