@@ -19,6 +19,7 @@ struct BuildArguments {
   std::string formats = "vtu,mesh,obj";
   std::optional<double> edge;
   std::optional<double> alpha;
+  double mesherTimeout = engine::BuildOptions{}.mesherTimeout;
   bool noCache = false;
   bool exact = false;
   bool noPreview = false;
@@ -27,8 +28,11 @@ struct BuildArguments {
 Result<void> runBuild(const BuildArguments& args, Session& session) {
   auto formats = exchange::parseFormats(args.formats);
   if (!formats) return passOn(formats);
-  engine::BuildOptions options{
-      .edgeLength = args.edge, .alpha = args.alpha, .useCache = !args.noCache, .exact = args.exact};
+  engine::BuildOptions options{.edgeLength = args.edge,
+                               .alpha = args.alpha,
+                               .mesherTimeout = args.mesherTimeout,
+                               .useCache = !args.noCache,
+                               .exact = args.exact};
   if (!args.tets.empty()) {
     auto tets = parseCount(args.tets);
     if (!tets) return passOn(tets);
@@ -82,6 +86,10 @@ void addBuild(CLI::App& app, Commands& commands) {
   sub->add_option("--alpha", args->alpha,
                   "Weigh curves as the paper does, by this constant; for comparison")
       ->check(CLI::PositiveNumber);
+  sub->add_option("--mesher-timeout", args->mesherTimeout,
+                  "How long a mesher may take before it is stopped [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   sub->add_flag("--no-cache", args->noCache,
                 "Do not look for the domain in the cache nor leave it there");
   sub->add_flag("--exact", args->exact,

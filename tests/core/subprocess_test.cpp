@@ -65,6 +65,19 @@ TEST_CASE("a process that takes too long is stopped with all its children") {
   CHECK_FALSE(fs::exists(mark));
 }
 
+TEST_CASE("a process that asks for more memory than it may have does not get it") {
+#ifdef __SANITIZE_ADDRESS__
+  WARN("SKIPPED: no limit to memory under AddressSanitizer; this truth was not checked");
+#else
+  const auto end = shell("exec dd if=/dev/zero of=/dev/null bs=400M count=1",
+                         {.memoryLimit = std::size_t{100} << 20});
+  REQUIRE(end);
+  CHECK(end->exitCode == 1);
+  CHECK_THAT(end->lastWords, Catch::Contains("memory exhausted"));
+  CHECK(end->peakMemory < std::size_t{100} << 20);
+#endif
+}
+
 TEST_CASE("a child that closes its outputs is still waited for, one that lingers is not") {
   const auto silent = shell("exec >&- 2>&-; sleep 0.2; exit 5");
   REQUIRE(silent);

@@ -199,11 +199,19 @@ Result<ProcessEnd> runProcess(const fs::path& program, const std::vector<std::st
                             options.timeout, lastSaid(end.lastWords)));
   }
   if (WIFSIGNALED(status)) {
-    return fail(ErrorCode::WorkerCrashed,
-                fmt::format("{} crashed ({}) after {:.1f} s; {}", name,
-                            ::strsignal(WTERMSIG(status)), end.seconds, lastSaid(end.lastWords)));
+    // Where memory runs out the system kills whom it likes
+    return fail(
+        ErrorCode::WorkerCrashed,
+        fmt::format("{} crashed ({}{}) after {:.1f} s; {}", name, ::strsignal(WTERMSIG(status)),
+                    WTERMSIG(status) == SIGKILL ? ", perhaps because memory ran out" : "",
+                    end.seconds, lastSaid(end.lastWords)));
   }
   return end;
+}
+
+std::size_t workerMemoryLimit() {
+  const auto pages = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES));
+  return pages / 4 * 3 * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
 Result<fs::path> findWorker() {

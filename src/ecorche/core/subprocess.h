@@ -20,6 +20,10 @@ struct ProcessOptions {
   std::size_t memoryLimit = 0;
 };
 
+/// What a worker may use at most, so that it does not take us down with it: three quarters of the
+/// machine's memory [bytes].
+[[nodiscard]] std::size_t workerMemoryLimit();
+
 /// How a process ended of its own accord.
 struct ProcessEnd {
   int exitCode = 0;

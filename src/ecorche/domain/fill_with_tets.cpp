@@ -64,12 +64,26 @@ Result<TetAnswer> askWorker(const char* subcommand, const std::string& request, 
   if (!scratch) return passOn(scratch);
   const auto in = scratch->path() / "request";
   const auto out = scratch->path() / "answer";
-  if (auto written = writeFileWhole(in, request); !written) return passOn(written);
-  auto done = runWorker({subcommand, in.string(), out.string()}, {.timeout = timeout}, run);
-  if (!done) return passOn(done);
+  // A full disk is that of temporary files, wherever the user's own are
+  const auto ofScratch = [&](Error error) {
+    if (error.code == ErrorCode::FileNotWritable) {
+      error.place.file = scratch->path().string();
+      error.message += "; TMPDIR names the folder of temporary files";
+    }
+    return tl::unexpected(std::move(error));
+  };
+  if (auto written = writeFileWhole(in, request); !written) return ofScratch(written.error());
+  auto done = runWorker({subcommand, in.string(), out.string()},
+                        {.timeout = timeout, .memoryLimit = workerMemoryLimit()}, run);
+  if (!done) return ofScratch(done.error());
   auto bytes = readFile(out);
-  if (!bytes) return passOn(bytes);
-  return decodeTetAnswer(*bytes);
+  auto answer = bytes ? decodeTetAnswer(*bytes) : Result<TetAnswer>(passOn(bytes));
+  // It claims to be done and is not: as good as a crash
+  if (!answer) {
+    return fail(ErrorCode::WorkerCrashed,
+                "ecorche-worker left no sound answer: " + answer.error().message);
+  }
+  return answer;
 }
 
 Result<TetAnswer> askTetgen(const TaggedSurface& walls, const FillTask& task, RunContext& run) {
@@ -117,9 +131,18 @@ std::string described(std::int32_t tag, const FillTask& task) {
   return "a wall";
 }
 
-Error bothRefused(const FillTask& task, const std::string& tetgen, const std::string& mesh3) {
-  Error error{ErrorCode::MeshingFailed, {}, {.object = "domain"}};
+Error bothRefused(const FillTask& task, const Error& tetgen, const Error& mesh3) {
+  const bool tooSlow = tetgen.code == ErrorCode::WorkerTimedOut && mesh3.code == tetgen.code;
+  Error error{
+      tooSlow ? ErrorCode::WorkerTimedOut : ErrorCode::MeshingFailed, {}, {.object = "domain"}};
   std::string where;
+  if (tooSlow) {
+    error.message = fmt::format(
+        "the room between skin and bones was not filled with tets in time: TetGen: {}; CGAL "
+        "Mesh_3: {}. Fewer tets (--tets) take less, --mesher-timeout allows more",
+        tetgen.message, mesh3.message);
+    return error;
+  }
   const auto crossings = mesh::selfIntersections(task.carved.V, task.carved.F);
   if (!crossings.empty()) {
     const auto [f, g] = crossings.front();
@@ -138,8 +161,13 @@ Error bothRefused(const FillTask& task, const std::string& tetgen, const std::st
       "the room between skin and bones cannot be filled with tets: TetGen: {}; CGAL Mesh_3: {}{}. "
       "Another number of tets (--tets) or a larger surfaceTolerance may do; `ecorche check` shows "
       "what is wrong with the meshes",
-      tetgen, mesh3, where);
+      tetgen.message, mesh3.message, where);
   return error;
+}
+
+tl::unexpected<Error> outOfReach(Error error) {
+  if (error.code == ErrorCode::OutOfMemory) error.message += "; fewer tets (--tets) take less";
+  return tl::unexpected(std::move(error));
 }
 
 }  // namespace
@@ -164,14 +192,16 @@ Result<Fill> fillWithTets(const FillTask& task, RunContext& run) {
     }
   }
   if (anotherMayHelp(answer)) {
+    const Error refusal = answer.error();
     out.fallback = true;
-    out.fallbackReason = answer.error().message;
+    out.fallbackReason = refusal.message;
     out.mesher = "CGAL Mesh_3";
     out.ofWalls = false;
     answer = askMesh3(task, run);
     if (anotherMayHelp(answer)) {
-      return tl::unexpected(bothRefused(task, out.fallbackReason, answer.error().message));
+      return tl::unexpected(bothRefused(task, refusal, answer.error()));
     }
+    if (!answer) return outOfReach(answer.error());
     out.findings.push_back(
         {.severity = Severity::Warning,
          .kind = "fallback",
@@ -181,7 +211,7 @@ Result<Fill> fillWithTets(const FillTask& task, RunContext& run) {
              "surface anew and rounds its edges",
              out.fallbackReason)});
   }
-  if (!answer) return passOn(answer);
+  if (!answer) return outOfReach(answer.error());
   out.tets = std::move(*answer);
   return out;
 }

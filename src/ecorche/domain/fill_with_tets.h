@@ -37,7 +37,8 @@ struct Fill {
 /// them anew.
 ///
 /// @errors  MeshingFailed (both refuse: with both reasons and, where walls cross, the place);
-///          WorkerMissing, OutOfMemory, Cancelled
+///          WorkerTimedOut (both take too long), WorkerMissing, OutOfMemory, Cancelled,
+///          FileNotWritable (no room for temporary files)
 [[nodiscard]] Result<Fill> fillWithTets(const FillTask& task, RunContext& run);
 
 }  // namespace ecorche::domain

@@ -10,15 +10,29 @@ namespace ecorche::engine {
 
 namespace {
 
+/// The machine's fault or the user's wish: what costs a draft its end costs the domain its own.
+bool meetsTheDomainToo(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::Cancelled:
+    case ErrorCode::FileNotWritable:
+    case ErrorCode::OutOfMemory:
+    case ErrorCode::WorkerMissing:
+    case ErrorCode::WorkerTimedOut:
+      return true;
+    default:
+      return false;
+  }
+}
+
 /// Where tets should be small. What a draft cannot answer is left to the guess that it began with,
 /// and the report says so: input that is at fault is for the domain itself to refuse.
-std::vector<domain::WantedLength> wantedLengths(const model::Project& project,
-                                                const domain::DomainInput& input,
-                                                const domain::DomainOptions& how,
-                                                Findings& findings, RunContext& run) {
+Result<std::vector<domain::WantedLength>> wantedLengths(const model::Project& project,
+                                                        const domain::DomainInput& input,
+                                                        const domain::DomainOptions& how,
+                                                        Findings& findings, RunContext& run) {
   const auto tissues = curveTissues(project);
   auto lengths = lengthsFromDraft(input, how, tissues, tissueOptions(project), run);
-  if (lengths) return std::move(*lengths);
+  if (lengths || meetsTheDomainToo(lengths.error().code)) return lengths;
   findings.push_back(
       {.severity = Severity::Warning,
        .kind = "no-draft",
@@ -46,8 +60,11 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
                                 : project.settings.tets;
   how.edgeLength = options.edgeLength ? options.edgeLength : project.settings.edgeLength;
   how.useCache = options.useCache;
+  how.workerTimeout = options.mesherTimeout;
   Findings findings;
-  input.lengths = wantedLengths(project, input, how, findings, run);
+  auto lengths = wantedLengths(project, input, how, findings, run);
+  if (!lengths) return passOn(lengths);
+  input.lengths = std::move(*lengths);
   auto built = domain::buildDomain(input, how, run);
   if (built) {
     auto& all = built->report.findings;

@@ -19,6 +19,7 @@ struct BuildOptions {
   std::optional<std::int64_t> tets;  ///< instead of the project's
   std::optional<double> edgeLength;  ///< instead of the project's [m]
   std::optional<double> alpha;       ///< the paper's row weight, for comparison [unitless]
+  double mesherTimeout = 300.0;      ///< of each attempt to fill the domain with tets [s]
   bool useCache = true;              ///< look for the domain in the cache and leave it there
   bool exact = false;                ///< envelope with raw places, see EnvelopeOptions::exact
 };

@@ -9,7 +9,6 @@
 #include <ecorche/mesh/read_stl.h>
 #include <ecorche/mesh/weld.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -59,11 +58,7 @@ Result<SurfaceMesh> readThroughWorker(const fs::path& file, RunContext& run) {
   if (!scratch) return passOn(scratch);
   const fs::path result = scratch->path() / "mesh";
 
-  // Three quarters of the machine's memory: a file that asks for more must not take us down with it
-  const auto pages = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES));
-  const ProcessOptions options{
-      .timeout = 300.0,
-      .memoryLimit = pages / 4 * 3 * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE))};
+  const ProcessOptions options{.timeout = 300.0, .memoryLimit = workerMemoryLimit()};
   const auto atFile = [&](Error error) {
     if (error.place.file.empty()) error.place.file = file.string();
     return tl::unexpected(std::move(error));
