@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "fuzz/targets.h"
 
@@ -45,10 +46,17 @@ std::string damaged(std::string bytes, std::mt19937& random) {
   return bytes;
 }
 
+std::vector<test::FuzzTarget> allTargets() {
+  std::vector<test::FuzzTarget> all;
+  for (const auto targets : {test::inputTargets(), test::ownTargets()})
+    all.insert(all.end(), targets.begin(), targets.end());
+  return all;
+}
+
 }  // namespace
 
 TEST_CASE("every file of the corpus is read or refused") {
-  for (const auto& target : test::fuzzTargets()) {
+  for (const auto& target : allTargets()) {
     const fs::path folder = kCorpus / target.name;
     INFO(folder);
     REQUIRE_FALSE(fs::is_empty(folder));
@@ -61,7 +69,7 @@ TEST_CASE("every file of the corpus is read or refused") {
 }
 
 TEST_CASE("a thousand damaged copies of each are read or refused") {
-  for (const auto& target : test::fuzzTargets()) {
+  for (const auto& target : allTargets()) {
     std::set<fs::path> files;  // sorted, so that a seed means the same everywhere
     for (const auto& entry : fs::directory_iterator(kCorpus / target.name))
       files.insert(entry.path());

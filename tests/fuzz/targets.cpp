@@ -7,21 +7,15 @@
 #include <ecorche/mesh/read_stl.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_repair.h>
+#include <ecorche/model/command_text.h>
 #include <ecorche/model/project_check.h>
 #include <ecorche/model/project_file.h>
-
-#include <cstring>
-#include <stdexcept>
 
 namespace ecorche::test {
 
 namespace {
 
 using mesh::SurfaceMesh;
-
-void demand(bool promise, const char* what) {
-  if (!promise) throw std::logic_error(what);
-}
 
 void checkIndices(const SurfaceMesh& mesh) {
   for (const std::int32_t v : mesh.F.reshaped())
@@ -94,6 +88,20 @@ void project(std::string_view bytes) {
   demand(again.has_value() && *again == *project, "a project that its own text does not give back");
 }
 
+void script(std::string_view bytes) {
+  const auto lines = model::parseScript(bytes, "fuzz");
+  if (!lines) {
+    demand(!lines.error().message.empty() && lines.error().place.file == "fuzz",
+           "an error without a sentence or a place");
+    return;
+  }
+  for (const model::ScriptLine& line : *lines) {
+    const auto again = model::parseCommand(model::formatCommand(line.command));
+    demand(again.has_value() && *again == line.command,
+           "a command that its own text does not give back");
+  }
+}
+
 constexpr FuzzTarget kTargets[] = {
     {"obj", read<mesh::parseObj>},
     {"ply", read<mesh::parsePly>},
@@ -102,10 +110,11 @@ constexpr FuzzTarget kTargets[] = {
     {"import", import},
     {"repair", repair},
     {"project", project},
+    {"script", script},
 };
 
 }  // namespace
 
-std::span<const FuzzTarget> fuzzTargets() { return kTargets; }
+std::span<const FuzzTarget> inputTargets() { return kTargets; }
 
 }  // namespace ecorche::test

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <stdexcept>
 #include <string_view>
 
 namespace ecorche::test {
@@ -12,6 +13,15 @@ struct FuzzTarget {
   void (*run)(std::string_view bytes);
 };
 
-[[nodiscard]] std::span<const FuzzTarget> fuzzTargets();
+/// What users bring: meshes, projects, scripts of commands.
+[[nodiscard]] std::span<const FuzzTarget> inputTargets();
+
+/// What we wrote ourselves, and somebody may have damaged: outputs, the cache, what goes between us
+/// and the worker; and tables of attachments.
+[[nodiscard]] std::span<const FuzzTarget> ownTargets();
+
+inline void demand(bool promise, const char* what) {
+  if (!promise) throw std::logic_error(what);
+}
 
 }  // namespace ecorche::test

@@ -230,9 +230,7 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   const double diagonal = mesh::boundingBox(prepared->carve.skin).diagonal();
   const double tolerance = options.surfaceToleranceRel * diagonal;
   out.report.tolerance = tolerance;
-  out.report.findings = std::move(cacheFindings);
-  out.report.findings.insert(out.report.findings.end(), prepared->findings.begin(),
-                             prepared->findings.end());
+  out.report.findings = std::move(prepared->findings);
 
   // 4, 5. Unite bones, subtract, clip
   auto carved = carve(prepared->carve, {.wrapTolerance = kWrapShare * tolerance}, run);
@@ -300,6 +298,9 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   if (out.report.maxDeviation > tolerance) reportExcess(out.report);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while measuring the domain");
   if (options.useCache) storeCached(key, out);
+  // What befell the cache is no news to those who get this domain from it
+  out.report.findings.insert(out.report.findings.begin(), cacheFindings.begin(),
+                             cacheFindings.end());
   return out;
 }
 

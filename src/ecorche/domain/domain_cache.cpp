@@ -1,4 +1,5 @@
 #include <ecorche/core/byte_stream.h>
+#include <ecorche/core/claim.h>
 #include <ecorche/core/files.h>
 #include <ecorche/domain/domain_cache.h>
 #include <ecorche/domain/tagged_surface.h>
@@ -63,6 +64,23 @@ template <class T>
 std::vector<T> getColumn(ByteReader& in) {
   const auto m = in.matrix<Eigen::Matrix<T, Eigen::Dynamic, 1>>();
   return std::vector<T>(m.data(), m.data() + m.size());
+}
+
+template <class Indices>
+bool inRange(const Indices& indices, std::int64_t count, std::int32_t least = 0) {
+  return indices.size() == 0 || (indices.minCoeff() >= least && indices.maxCoeff() < count);
+}
+
+// Sizes agree and every index names something
+bool isWhole(const Domain& d) {
+  const auto vertices = d.mesh.V.rows();
+  const auto tets = d.mesh.T.rows();
+  const auto faces = static_cast<std::size_t>(d.boundaryF.rows());
+  return inRange(d.mesh.T, vertices) && d.neighbours.rows() == tets &&
+         inRange(d.neighbours, tets, -1) && inRange(d.boundaryF, vertices) &&
+         d.boundaryTet.size() == faces && d.boundaryTag.size() == faces &&
+         std::ranges::all_of(d.boundaryTet, [&](std::int32_t t) { return t >= 0 && t < tets; }) &&
+         d.onSkin.size() == static_cast<std::size_t>(vertices);
 }
 
 std::string encode(const DomainBuild& build) {
@@ -146,7 +164,7 @@ std::optional<DomainBuild> decode(std::string_view bytes) {
   r.mesher = in.text();
   r.fallbackReason = in.text();
   r.fromCache = true;
-  if (!in.finished()) return std::nullopt;
+  if (!in.finished() || !isWhole(d)) return std::nullopt;
   return out;
 }
 
@@ -202,19 +220,32 @@ std::string cacheKey(const DomainInput& input, const DomainOptions& options) {
   return hash.hex();
 }
 
+std::string sealed(std::string_view body) {
+  ByteWriter out;
+  out.value(kMagic);
+  out.text(checksum(body));
+  out.text(body);
+  return out.bytes();
+}
+
+std::string encodeCached(const DomainBuild& build) { return sealed(encode(build)); }
+
+std::optional<DomainBuild> decodeCached(std::string_view bytes) {
+  ByteReader in(bytes);
+  const bool ours = in.value<std::uint32_t>() == kMagic;
+  const std::string sum = in.text();
+  const std::string body = in.text();
+  if (!ours || !in.finished() || checksum(body) != sum) return std::nullopt;
+  return decode(body);
+}
+
 std::optional<DomainBuild> loadCached(const std::string& key, Findings& findings) {
   const fs::path file = folder() / (key + ".ecd");
   std::error_code ec;
   if (!fs::exists(file, ec)) return std::nullopt;
   const auto bytes = readFile(file);
   std::optional<DomainBuild> out;
-  if (bytes) {
-    ByteReader in(*bytes);
-    const bool ours = in.value<std::uint32_t>() == kMagic;
-    const std::string sum = in.text();
-    const std::string body = in.text();
-    if (ours && in.finished() && checksum(body) == sum) out = decode(body);
-  }
+  if (bytes) out = decodeCached(*bytes);
   if (!out) {
     fs::remove(file, ec);
     findings.push_back(
@@ -231,12 +262,8 @@ std::optional<DomainBuild> loadCached(const std::string& key, Findings& findings
 void storeCached(const std::string& key, const DomainBuild& build) {
   std::error_code ec;
   fs::create_directories(folder(), ec);
-  const std::string body = encode(build);
-  ByteWriter out;
-  out.value(kMagic);
-  out.text(checksum(body));
-  out.text(body);
-  if (writeFileWhole(folder() / (key + ".ecd"), out.bytes())) keepWithinLimit();
+  removeUnclaimed(folder(), ".");  // of killed processes, whatever domain they were storing
+  if (writeFileWhole(folder() / (key + ".ecd"), encodeCached(build))) keepWithinLimit();
 }
 
 }  // namespace ecorche::domain

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace ecorche::domain {
 
@@ -18,5 +19,13 @@ namespace ecorche::domain {
 /// Leaves the domain in the cache, whole or not at all; the oldest go when all together exceed 4
 /// GB. A cache that cannot be written is no error.
 void storeCached(const std::string& key, const DomainBuild& build);
+
+/// The bytes of a cached domain, and back; nothing where they are not whole. They believe nothing:
+/// whoever wrote the file may have been killed half-way.
+[[nodiscard]] std::string encodeCached(const DomainBuild& build);
+[[nodiscard]] std::optional<DomainBuild> decodeCached(std::string_view bytes);
+
+/// A body as encodeCached seals it, with its checksum: for tests that damage what is inside.
+[[nodiscard]] std::string sealed(std::string_view body);
 
 }  // namespace ecorche::domain

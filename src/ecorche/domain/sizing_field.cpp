@@ -105,7 +105,9 @@ SizingField SizingField::read(ByteReader& in) {
   field.cell_ = in.value<double>();
   const auto values = in.matrix<Eigen::VectorXd>();
   field.value_.assign(values.data(), values.data() + values.size());
-  const bool sane = (field.count_ >= 2).all() && (field.count_ < (1 << 20)).all() &&
+  const bool sane = field.box_.lo.allFinite() && field.box_.hi.allFinite() &&
+                    std::isfinite(field.cell_) && (field.count_ >= 2).all() &&
+                    (field.count_ < (1 << 20)).all() &&
                     field.count_.cast<std::int64_t>().prod() == values.size() && field.cell_ > 0.0;
   if (!sane) in.reject();
   return field;

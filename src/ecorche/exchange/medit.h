@@ -6,6 +6,8 @@
 #include <ecorche/exchange/anatomy_file.h>
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace ecorche::exchange {
@@ -33,5 +35,8 @@ struct MarkedFaces {
 /// Reads vertices, triangles and tets of any MEDIT ASCII file in 3D; other sections are skipped.
 /// @errors FileMissing, FileNotReadable, FileEmpty, FileUnknownFormat, FileSyntax, FileTruncated
 [[nodiscard]] Result<AnatomyFile> readMedit(const std::filesystem::path& file);
+
+/// The same from bytes. @param file  for messages
+[[nodiscard]] Result<AnatomyFile> parseMedit(std::string_view bytes, const std::string& file);
 
 }  // namespace ecorche::exchange

@@ -49,10 +49,8 @@ Result<std::int64_t> readCount(LineReader& lines, const char* what, std::size_t 
 
 }  // namespace
 
-Result<AnatomyFile> readMedit(const std::filesystem::path& file) {
-  const auto bytes = readFile(file);
-  if (!bytes) return passOn(bytes);
-  LineReader lines(*bytes, file.string());
+Result<AnatomyFile> parseMedit(std::string_view bytes, const std::string& file) {
+  LineReader lines(bytes, file);
   if (!lines.next() || lines.word() != "MeshVersionFormatted") {
     return lines.errorHere(
         ErrorCode::FileUnknownFormat,
@@ -110,6 +108,12 @@ Result<AnatomyFile> readMedit(const std::filesystem::path& file) {
   }
   if (!ended) return lines.brokenOff("the file does not end with End; export it again");
   return out;
+}
+
+Result<AnatomyFile> readMedit(const std::filesystem::path& file) {
+  const auto bytes = readFile(file);
+  if (!bytes) return passOn(bytes);
+  return parseMedit(*bytes, file.string());
 }
 
 }  // namespace ecorche::exchange

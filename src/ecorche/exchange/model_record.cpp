@@ -63,25 +63,27 @@ std::string printModelRecord(const ModelRecord& r) {
   return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+Result<ModelRecord> parseModelRecord(std::string_view text, const std::string& file) {
+  try {
+    return recordFrom(Json::parse(text));
+  } catch (const Json::parse_error& e) {
+    const auto at = static_cast<std::ptrdiff_t>(std::min(e.byte, text.size()));
+    return fail(ErrorCode::FileSyntax, fmt::format("this is no JSON: {}", e.what()),
+                {.file = file,
+                 .line = static_cast<int>(1 + std::count(text.begin(), text.begin() + at, '\n'))});
+  } catch (const Json::out_of_range& e) {
+    return fail(ErrorCode::MissingKey, fmt::format("a key is missing; build again ({})", e.what()),
+                {.file = file});
+  } catch (const Json::exception& e) {
+    return fail(ErrorCode::WrongType,
+                fmt::format("the file is damaged; build again ({})", e.what()), {.file = file});
+  }
+}
+
 Result<ModelRecord> readModelRecord(const std::filesystem::path& file) {
   const auto text = readFile(file);
   if (!text) return passOn(text);
-  try {
-    return recordFrom(Json::parse(*text));
-  } catch (const Json::parse_error& e) {
-    const auto at = static_cast<std::ptrdiff_t>(std::min(e.byte, text->size()));
-    return fail(
-        ErrorCode::FileSyntax, fmt::format("this is no JSON: {}", e.what()),
-        {.file = file.string(),
-         .line = static_cast<int>(1 + std::count(text->begin(), text->begin() + at, '\n'))});
-  } catch (const Json::out_of_range& e) {
-    return fail(ErrorCode::MissingKey, fmt::format("a key is missing; build again ({})", e.what()),
-                {.file = file.string()});
-  } catch (const Json::exception& e) {
-    return fail(ErrorCode::WrongType,
-                fmt::format("the file is damaged; build again ({})", e.what()),
-                {.file = file.string()});
-  }
+  return parseModelRecord(*text, file.string());
 }
 
 }  // namespace ecorche::exchange

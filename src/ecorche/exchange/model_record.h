@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ecorche::exchange {
@@ -51,5 +52,8 @@ struct ModelRecord {
 [[nodiscard]] std::string printModelRecord(const ModelRecord& record);
 /// @errors FileMissing, FileNotReadable, FileEmpty, FileSyntax, MissingKey, WrongType
 [[nodiscard]] Result<ModelRecord> readModelRecord(const std::filesystem::path& file);
+
+/// The same from text. @param file  for messages
+[[nodiscard]] Result<ModelRecord> parseModelRecord(std::string_view text, const std::string& file);
 
 }  // namespace ecorche::exchange

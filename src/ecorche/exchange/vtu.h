@@ -4,6 +4,8 @@
 #include <ecorche/exchange/anatomy_file.h>
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace ecorche::exchange {
@@ -30,5 +32,8 @@ struct VtuContents {
 /// the file
 /// @errors FileMissing, FileNotReadable, FileEmpty, FileUnknownFormat, FileSyntax, FileTruncated
 [[nodiscard]] Result<AnatomyFile> readVtu(const std::filesystem::path& file);
+
+/// The same from bytes. @param file  for messages
+[[nodiscard]] Result<AnatomyFile> parseVtu(std::string_view bytes, const std::string& file);
 
 }  // namespace ecorche::exchange

@@ -194,10 +194,14 @@ class VtuReader {
 
 }  // namespace
 
+Result<AnatomyFile> parseVtu(std::string_view bytes, const std::string& file) {
+  return VtuReader(file, bytes).read();
+}
+
 Result<AnatomyFile> readVtu(const std::filesystem::path& file) {
   const auto bytes = readFile(file);
   if (!bytes) return passOn(bytes);
-  return VtuReader(file.string(), *bytes).read();
+  return parseVtu(*bytes, file.string());
 }
 
 }  // namespace ecorche::exchange
