@@ -1,11 +1,15 @@
 // A build that is interrupted or killed at any moment leaves its output whole or absent, and nobody
 // running.
 
+#include <ecorche/domain/domain_cache.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 
+#include "support/environment.h"
+#include "support/output_files.h"
 #include "support/program.h"
 #include "support/running.h"
 #include "support/small_project.h"
@@ -16,20 +20,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-using Files = std::map<std::string, std::string>;
-
-// Every file of a folder but the report, whose times differ from run to run
-Files contents(const fs::path& folder) {
-  Files out;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = entry.path().lexically_relative(folder).string();
-    if (!entry.is_regular_file()) continue;
-    out[name] = readFile(entry.path()).value();
-    if (name == "report.json") out[name] = nlohmann::json::parse(out[name]).at("tissues").dump();
-  }
-  return out;
-}
 
 /// Two projects that differ, their outputs, and a place where builds are cut short.
 class Bench {
@@ -42,7 +32,7 @@ class Bench {
       const auto begin = Clock::now();
       auto run = start(name, fmt::format("whole/{}", name));
       REQUIRE(run->wait() == 0);
-      whole_[name] = contents(project_.at(fmt::format("whole/{}", name)));
+      whole_[name] = test::outputFiles(project_.at(fmt::format("whole/{}", name)));
       seconds_ = std::min(seconds_, std::chrono::duration<double>(Clock::now() - begin).count());
       REQUIRE(whole_[name].size() == 9);
     }
@@ -53,8 +43,10 @@ class Bench {
       const std::string& name, const std::string& output = "place/out") const {
     return std::make_unique<test::Running>(
         std::vector<std::string>{"build", name + ".ecorche", "-o", output, "--no-preview",
-                                 "--quiet", "--no-cache"},
-        project_.folder(), std::vector<std::string>{"TMPDIR=" + project_.at("tmp").string()},
+                                 "--quiet"},
+        project_.folder(),
+        std::vector<std::string>{"TMPDIR=" + project_.at("tmp").string(),
+                                 "ECORCHE_CACHE=" + project_.at("cache").string()},
         project_.at("errors"));
   }
 
@@ -74,11 +66,21 @@ class Bench {
     }
   }
 
+  // The moment when a domain is being stored
+  void waitForCache(const test::Running& run) {
+    while (run.runs()) {
+      std::error_code none;
+      for (const auto& entry : fs::directory_iterator(project_.at("cache/domains"), none)) {
+        if (entry.path().extension() != ".ecd") return;
+      }
+    }
+  }
+
   // "absent", or whose output stands there, to the last byte
   [[nodiscard]] std::string outcome() const {
     const fs::path out = project_.at("place/out");
     if (!fs::exists(out)) return "absent";
-    const Files there = contents(out);
+    const auto there = test::outputFiles(out);
     for (const auto& [name, files] : whole_) {
       if (there == files) return name;
     }
@@ -105,12 +107,38 @@ class Bench {
   }
   void removeOutput() const { fs::remove_all(project_.at("place/out")); }
 
+  // Every domain in the cache can be had; hidden files beside them are counted
+  [[nodiscard]] bool cacheIsSound() const {
+    const test::Environment here("ECORCHE_CACHE", project_.at("cache").string());
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(project_.at("cache/domains"), none)) {
+      Findings findings;
+      if (entry.path().extension() == ".ecd" &&
+          !domain::loadCached(entry.path().stem().string(), findings))
+        return false;
+    }
+    return true;
+  }
+  [[nodiscard]] long cacheLeftovers() const {
+    long count = 0;
+    for (const auto& entry : fs::directory_iterator(project_.at("cache/domains")))
+      count += entry.path().extension() != ".ecd";
+    return count;
+  }
+  void emptyCache() const { fs::remove_all(project_.at("cache")); }
+
  private:
   SmallProject project_;
   std::mt19937_64 random_;
-  std::map<std::string, Files> whole_;
+  std::map<std::string, test::Files> whole_;
   double seconds_ = 1e9;
 };
+
+/// Random moments, over no output and over an earlier one together.
+int kills() {
+  const char* wanted = std::getenv("ECORCHE_KILLS");
+  return wanted != nullptr ? std::atoi(wanted) : 24;
+}
 
 constexpr int kMoments = 12;
 constexpr const char* kStaged[] = {".",     "anatomy.vtu", "anatomy.mesh",
@@ -118,7 +146,7 @@ constexpr const char* kStaged[] = {".",     "anatomy.vtu", "anatomy.mesh",
 
 }  // namespace
 
-TEST_CASE("a build killed at any moment leaves a whole output or none, and no worker") {
+TEST_CASE("a build killed at any moment leaves a whole output or none, a sound cache, no worker") {
   Bench bench(Catch::rngSeed());
   std::map<std::string, int> seen;
   const auto judge = [&](test::Running& run, const std::vector<std::string>& allowed) {
@@ -129,12 +157,16 @@ TEST_CASE("a build killed at any moment leaves a whole output or none, and no wo
     INFO(outcome);
     CHECK(std::ranges::count(allowed, outcome) == 1);
     CHECK(bench.nobodyRuns());
+    CHECK(bench.cacheIsSound());
     return outcome;
   };
 
-  for (int k = 0; k < kMoments; ++k) {
+  // Every third time domains come from the cache, as far as those before got
+  const int moments = (kills() + 1) / 2;
+  for (int k = 0; k < moments; ++k) {
+    if (k % 3 != 2) bench.emptyCache();
     auto run = bench.start("limb");
-    bench.waitFor(k, kMoments);
+    bench.waitFor(k, moments);
     judge(*run, {"absent", "limb"});
     bench.removeOutput();
   }
@@ -152,9 +184,10 @@ TEST_CASE("a build killed at any moment leaves a whole output or none, and no wo
   CHECK(bench.noScratch());
   std::string there = "other";
   const auto next = [&] { return there == "other" ? "limb" : "other"; };
-  for (int k = 0; k < kMoments; ++k) {
+  for (int k = 0; k < moments; ++k) {
+    if (k % 3 != 2) bench.emptyCache();
     auto run = bench.start(next());
-    bench.waitFor(k, kMoments);
+    bench.waitFor(k, moments);
     there = judge(*run, {"limb", "other"});
   }
   for (const char* file : kStaged) {
@@ -164,10 +197,16 @@ TEST_CASE("a build killed at any moment leaves a whole output or none, and no wo
   }
   CHECK(seen["limb"] + seen["other"] > 0);
 
-  // The next run clears up
+  // The next run clears up, in the cache whatever domain it is that it stores
+  bench.emptyCache();
+  auto storing = bench.start(next());
+  bench.waitForCache(*storing);
+  judge(*storing, {"limb", "other"});
+  there = bench.outcome();
   REQUIRE(bench.start(next())->wait() == 0);
   CHECK(bench.outcome() == next());
   CHECK(bench.leftovers() == 0);
+  CHECK(bench.cacheLeftovers() == 0);
   CHECK(bench.noScratch());
 }
 
@@ -176,6 +215,7 @@ TEST_CASE("an interrupted build answers 130 and leaves nothing behind") {
   REQUIRE(bench.start("other")->wait() == 0);
   int interrupted = 0;
   for (int k = 0; k < kMoments; ++k) {
+    if (k % 3 != 2) bench.emptyCache();
     auto run = bench.start("limb");
     bench.waitFor(k, kMoments);
     run->send(k % 3 == 0 ? SIGTERM : SIGINT);
