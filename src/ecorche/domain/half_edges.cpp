@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace ecorche::domain {
 
@@ -60,22 +61,21 @@ Result<HalfEdges> HalfEdges::build(const TaggedSurface& surface) {
   }
   // All faces of a vertex must be one fan: two sheets that share a point only are no surface there
   for (std::int32_t v = 0; v < he.vertexCount(); ++v) {
-    if (he.vertexAlive(v) && he.valence(v) != degree[at(v)]) {
+    std::int32_t ring = 0;
+    if (he.vertexAlive(v)) he.forOutgoing(v, [&](std::int32_t) { ++ring; });
+    if (ring != degree[at(v)]) {
       return fail(ErrorCode::MeshNotRepairable,
                   "the surface of the domain touches itself in a point",
                   {.point = surface.V.row(v).transpose()});
     }
   }
+  he.valence_ = std::move(degree);
   return he;
 }
 
-std::int32_t HalfEdges::valence(std::int32_t v) const {
-  std::int32_t count = 0;
-  forOutgoing(v, [&](std::int32_t) { ++count; });
-  return count;
-}
-
 bool HalfEdges::adjacent(std::int32_t v, std::int32_t w) const {
+  // The smaller ring: faces of a cut plane may hang in hundreds on one vertex
+  if (valence(w) < valence(v)) std::swap(v, w);
   bool found = false;
   forOutgoing(v, [&](std::int32_t h) { found |= to(h) == w; });
   return found;
@@ -105,6 +105,9 @@ HalfEdges::Split HalfEdges::split(std::int32_t h) {
   next_.resize(at(e + 6));
   face_.resize(at(e + 6));
   out_.push_back(g);
+  valence_.push_back(4);
+  ++valence_[at(c)];
+  ++valence_[at(d)];
   side_.insert(side_.end(), {e, e + 1});
   const std::int32_t tag0 = tag_[at(face(h))];
   const std::int32_t tag1 = tag_[at(face(o))];
@@ -160,6 +163,10 @@ void HalfEdges::collapse(std::int32_t h) {
   out_[at(c)] = opposite(n0);
   out_[at(d)] = q0;
   out_[at(v)] = -1;
+  valence_[at(w)] += valence_[at(v)] - 4;
+  --valence_[at(c)];
+  --valence_[at(d)];
+  valence_[at(v)] = 0;
   for (const std::int32_t x : {h, o, p0, opposite(p0), m0, opposite(m0)}) face_[at(x)] = -1;
   side_[at(f0)] = side_[at(f1)] = -1;
 }
@@ -179,6 +186,10 @@ void HalfEdges::flip(std::int32_t h) {
   out_[at(b)] = n0;
   to_[at(h)] = c;
   to_[at(o)] = d;
+  --valence_[at(a)];
+  --valence_[at(b)];
+  ++valence_[at(c)];
+  ++valence_[at(d)];
   setLoop(h, p0, m0, face(h));
   setLoop(o, q0, n0, face(o));
 }

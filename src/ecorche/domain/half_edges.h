@@ -43,7 +43,7 @@ class HalfEdges {
     } while (h != first);
   }
 
-  [[nodiscard]] std::int32_t valence(std::int32_t v) const;
+  [[nodiscard]] std::int32_t valence(std::int32_t v) const { return valence_[at(v)]; }
   [[nodiscard]] bool adjacent(std::int32_t v, std::int32_t w) const;
 
   /// A new vertex in the middle of h; h then ends there. @return the vertex; edge(from new to old
@@ -69,7 +69,7 @@ class HalfEdges {
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   std::vector<std::int32_t> to_, next_, face_;  // per half-edge
-  std::vector<std::int32_t> out_;               // per vertex
+  std::vector<std::int32_t> out_, valence_;     // per vertex
   std::vector<std::int32_t> side_, tag_;  // per face: one of its half-edges (-1: gone), its tag
 };
 
