@@ -10,6 +10,9 @@ TEST_CASE("names come from file names as people meant them") {
   CHECK(boneNameFrom("bones-left femur.obj") == "left_femur");
   CHECK(boneNameFrom("FemurL.obj") == "FemurL");
   CHECK(boneNameFrom("bone.obj") == "bone");
+  CHECK(boneNameFrom("bones.obj") == "bones");
+  CHECK(boneNameFrom("BONEScapula_L.stl") == "Scapula_L");
+  CHECK(boneNameFrom("bonesFemur.stl") == "Femur");
   CHECK(boneNameFrom("BONEOs_metacarpale_V_L.001.stl") == "Os_metacarpale_V_L.001");
   CHECK(muscleNameFrom("MUSCm.biceps_femoris_L.stl") == "biceps_femoris_L");
   CHECK(muscleNameFrom("MUSCm_tensor_f.latae_L.stl") == "tensor_f.latae_L");
@@ -31,6 +34,9 @@ TEST_CASE("sides and mirrored names") {
   CHECK(mirroredName("femur_right") == "femur_left");
   CHECK(mirroredName("femur Left") == "femur Right");
   CHECK(mirroredName("sternum") == std::nullopt);
+  CHECK(withoutSide("sartorius_L2") == "sartorius_2");
+  CHECK(bareName(withoutSide("sartorius_R")) == "sartorius");
+  CHECK(withoutSide("sternum") == "sternum");
 }
 
 TEST_CASE("names that repeat are numbered, and numbers that are taken are passed by") {

@@ -10,6 +10,7 @@ namespace {
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 std::string lowered(std::string_view text) {
@@ -41,7 +42,12 @@ std::string joined(std::string text) {
 std::string boneNameFrom(const std::filesystem::path& file) {
   const std::string stem = file.stem().string();
   std::string rest = stem;
-  if (!dropLead(rest, "bones")) dropLead(rest, "bone");
+  // "BONEScapula" is a bone called Scapula, "bones-tibia" and "bonesTibia" are tibias among bones
+  constexpr std::size_t kMany = 5;
+  const bool many = stem.size() == kMany ||
+                    (stem.size() > kMany &&
+                     (!isLetter(stem[kMany]) || (stem[kMany - 1] == 's' && isUpper(stem[kMany]))));
+  if (!many || !dropLead(rest, "bones")) dropLead(rest, "bone");
   rest = joined(rest);
   return rest.empty() ? joined(stem) : rest;
 }
@@ -91,11 +97,17 @@ std::optional<std::string> mirroredName(std::string_view name) {
   // As the name is written: LEFT, Left or left
   for (std::size_t k = 0; k < other.size(); ++k) {
     const char like = name[begin + std::min(k, end - begin - 1)];
-    if (std::isupper(static_cast<unsigned char>(like)) != 0) {
+    if (isUpper(like)) {
       other[k] = static_cast<char>(std::toupper(static_cast<unsigned char>(other[k])));
     }
   }
   return std::string(name.substr(0, begin)) + other + std::string(name.substr(end));
+}
+
+std::string withoutSide(std::string_view name) {
+  if (sideFrom(name) == model::Side::Unknown) return std::string(name);
+  const auto [begin, end] = lastWord(name);
+  return std::string(name.substr(0, begin)) + std::string(name.substr(end));
 }
 
 std::string bareName(std::string_view name) {

@@ -27,6 +27,9 @@ namespace ecorche::authoring {
 /// is not understood. Nothing where sideFrom knows no side.
 [[nodiscard]] std::optional<std::string> mirroredName(std::string_view name);
 
+/// The name without its word for a side: "sartorius_L2" gives "sartorius_2"; others as they are.
+[[nodiscard]] std::string withoutSide(std::string_view name);
+
 /// Lower case letters and digits only, for names that differ in spelling: "C-1" and "c_1" are both
 /// "c1".
 [[nodiscard]] std::string bareName(std::string_view name);
