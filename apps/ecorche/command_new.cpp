@@ -1,3 +1,4 @@
+#include <ecorche/authoring/muscle_choice.h>
 #include <ecorche/authoring/new_project.h>
 #include <ecorche/model/project_file.h>
 
@@ -15,10 +16,11 @@ using namespace authoring;
 using Json = nlohmann::ordered_json;
 
 struct NewOptions {
-  std::string skin, skinPart, attachments, output;
+  std::string skin, skinPart, attachments, muscles, output;
   std::vector<std::string> bones;
   std::string symmetry = "auto";
   std::string unit = "m";
+  bool whole = false;
   bool force = false;
 };
 
@@ -27,9 +29,11 @@ Json toJson(const NewProject& made, const std::string& file) {
   Json json = {
       {"project", file}, {"bones", project.bones.size()}, {"muscles", project.tissues.size()}};
   if (made.musclesInTable > 0) json["muscles_in_table"] = made.musclesInTable;
-  for (const model::CutPlane& plane : project.cutPlanes) {
-    const auto &p = plane.point, &n = plane.normal;
-    json["symmetry"] = {{"point_m", {p.x(), p.y(), p.z()}}, {"normal", {n.x(), n.y(), n.z()}}};
+  if (made.mirror) {
+    const auto &p = made.mirror->point, &n = made.mirror->normal;
+    json["symmetry"] = {{"point_m", {p.x(), p.y(), p.z()}},
+                        {"normal", {n.x(), n.y(), n.z()}},
+                        {"cuts", !project.cutPlanes.empty()}};
     if (made.symmetry) json["symmetry"]["error_rel"] = made.symmetry->error;
   }
   json["findings"] = Json::array();
@@ -48,17 +52,18 @@ void print(const NewProject& made, const std::string& file) {
   if (made.musclesInTable > 0)
     fmt::print(", {} of {} muscles of the table", project.tissues.size(), made.musclesInTable);
   fmt::print("\n");
-  for (const model::CutPlane& plane : project.cutPlanes) {
-    const auto &p = plane.point, &n = plane.normal;
-    fmt::print(
-        "symmetry plane through {:.4g}, {:.4g}, {:.4g} m; the side of {:.4g}, {:.4g}, {:.4g} is "
-        "kept",
-        p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
+  if (made.mirror) {
+    const auto &p = made.mirror->point, &n = made.mirror->normal;
+    const bool cuts = !project.cutPlanes.empty();
+    fmt::print("symmetry plane through {:.4g}, {:.4g}, {:.4g} m; ", p.x(), p.y(), p.z());
+    if (cuts) {
+      fmt::print("the side of {:.4g}, {:.4g}, {:.4g} is kept", n.x(), n.y(), n.z());
+    } else {
+      fmt::print("both sides are kept and made alike");
+    }
     if (made.symmetry)
-      fmt::print(
-          " (the mirrored skin misses itself by {:.3f} % of its diagonal; --symmetry none keeps "
-          "all)",
-          100 * made.symmetry->error);
+      fmt::print(" (the mirrored skin misses itself by {:.3f} % of its diagonal{})",
+                 100 * made.symmetry->error, cuts ? "; --whole keeps all" : "");
     fmt::print("\n");
   }
   std::size_t otherHalf = 0;
@@ -86,7 +91,13 @@ Result<void> makeProject(const NewOptions& options, const ParsedSymmetry& symmet
   request.skinPart = options.skinPart;
   request.bones.assign(options.bones.begin(), options.bones.end());
   if (!options.attachments.empty()) request.attachments = options.attachments;
+  if (!options.muscles.empty()) {
+    auto names = muscleNamesFrom(options.muscles);
+    if (!names) return passOn(names);
+    request.muscles = std::move(*names);
+  }
   request.symmetry = symmetry;
+  request.whole = options.whole;
   request.unit = *model::unitFrom(options.unit);
   const auto made = newProject(request, session.run);
   if (!made) return passOn(made);
@@ -115,10 +126,18 @@ void addNew(CLI::App& app, Commands& commands) {
       ->required();
   sub->add_option("--attachments", options->attachments,
                   "CSV with columns muscle, role, bone, x, y, z: gives each muscle a first curve");
+  sub->add_option(
+         "--muscles", options->muscles,
+         "Only these muscles of the table: names with commas between them, or a file with one "
+         "a line; a name without a side means both")
+      ->needs("--attachments");
   sub->add_option("--symmetry", options->symmetry,
                   "auto: find it; none; or a plane: y, -y, y=0.02. What the axis points at is "
                   "kept, with a minus the other half")
       ->capture_default_str();
+  sub->add_flag("--whole", options->whole,
+                "Keep both halves: the symmetry plane makes left and right muscles alike and cuts "
+                "nothing off");
   sub->add_option("--unit", options->unit, "Unit of all these files")
       ->check(CLI::IsMember({"m", "dm", "cm", "mm", "in"}))
       ->capture_default_str();
@@ -130,7 +149,9 @@ void addNew(CLI::App& app, Commands& commands) {
       "  ecorche new --skin skin.obj --bones bones/ -o horse.ecorche\n"
       "  ecorche new --skin body.glb --bones femur.stl tibia.stl --unit mm --symmetry none -o "
       "leg.ecorche\n"
-      "  ecorche new --skin SKINbody.stl --bones bones --attachments sites.csv -o dog.ecorche");
+      "  ecorche new --skin SKINbody.stl --bones bones --attachments sites.csv -o dog.ecorche\n"
+      "  ecorche new --skin skin.stl --bones bones --attachments sites.csv --whole --muscles "
+      "sartorius,gracilis -o thighs.ecorche");
   // A plane that cannot be read is wrong usage, like any other malformed option
   sub->final_callback([options] {
     const auto unit = model::unitFrom(options->unit);

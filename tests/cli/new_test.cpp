@@ -75,6 +75,31 @@ TEST_CASE("new makes a project from a skin, a folder of bones and a table") {
   CHECK(model.run("info work.ecorche").out.find("not found") == std::string::npos);
 }
 
+TEST_CASE("new makes the muscles that are asked for, on both sides of a whole body") {
+  Model model;
+  const auto whole = model.run(kNew + "--attachments table.csv --whole -o whole.ecorche --json");
+  INFO(whole.err);
+  REQUIRE(whole.exitCode == 0);
+  CHECK(nlohmann::json::parse(whole.out).at("symmetry").at("cuts") == false);
+  const auto project = model::loadProject(model.temp.path() / "whole.ecorche").value();
+  CHECK(project.cutPlanes.empty());
+  CHECK(project.tissues.size() == 2);
+
+  model.write("list.txt", "# upper arm\ntriceps\n");
+  REQUIRE(model.run(kNew + "--attachments table.csv --whole --muscles list.txt -o p.ecorche")
+              .exitCode == 0);
+  const auto chosen = model::loadProject(model.temp.path() / "p.ecorche").value();
+  REQUIRE(chosen.tissues.size() == 1);
+  CHECK(chosen.tissues[0].name == "triceps_R");
+
+  const auto unknown = model.run(kNew + "--attachments table.csv --muscles bicep -o q.ecorche");
+  CHECK(unknown.exitCode == 1);
+  CHECK(unknown.err.find("no muscle \"bicep\"; it has biceps") != std::string::npos);
+  CHECK_FALSE(fs::exists(model.temp.path() / "q.ecorche"));
+  // A choice of nothing
+  CHECK(model.run(kNew + "--muscles biceps -o q.ecorche").exitCode == 2);
+}
+
 TEST_CASE("new does not replace a project unless told to") {
   Model model;
   REQUIRE(model.run(kNew + "-o work.ecorche").exitCode == 0);

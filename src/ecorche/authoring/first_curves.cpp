@@ -1,12 +1,14 @@
+#include <ecorche/authoring/curve_relaxation.h>
 #include <ecorche/authoring/first_curves.h>
+#include <ecorche/authoring/muscle_heads.h>
 #include <ecorche/authoring/names.h>
+#include <ecorche/authoring/seats.h>
+#include <ecorche/core/parallel.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <unordered_map>
 
 namespace ecorche::authoring {
 
@@ -16,274 +18,454 @@ using model::Support;
 
 namespace {
 
-// How far the middle of a curve stays from bone and skin, and how near a site must be to a bone to
-// be on it.
-constexpr double kClearanceRel = 0.003;
-constexpr double kReachRel = 0.03;
+constexpr double kOnPlaneRel = 1e-3;   // of the diagonal
+constexpr double kShortestRel = 1e-3;  // no curve between ends nearer than this
+constexpr double kPlacedRel = 5e-4;    // deeper than this counts as inside a bone
+constexpr double kMostOutside = 0.1;   // of a curve's length; it is left out beyond
+constexpr double kMostInBone = 0.02;   // a warning beyond
 
-// The push that takes x out of bone or back under the skin, zero where it is well placed.
-Vector3 pushOut(const Vector3& x, double clearance, const Surroundings& around) {
-  Vector3 push = Vector3::Zero();
-  for (const BoneSurface& bone : around.bones) {
-    const Vector3 beyond = (bone.box.lo - x).cwiseMax(x - bone.box.hi).cwiseMax(Vector3::Zero());
-    if (bone.surface->empty() || beyond.norm() > clearance) continue;
-    const auto closest = bone.surface->closest(x);
-    if (closest.distance == 0.0) continue;
-    const Vector3 outward = (x - closest.point) / closest.distance;
-    if (bone.closed && bone.surface->inside(x)) {
-      push -= outward * (closest.distance + clearance);
-    } else if (closest.distance < clearance) {
-      push += outward * (clearance - closest.distance);
-    }
-  }
-  const auto closest = around.skin.closest(x);
-  if (closest.distance > 0.0) {
-    const Vector3 inward = (x - closest.point) / closest.distance;
-    if (!around.skin.inside(x)) {
-      push -= inward * (closest.distance + clearance);
-    } else if (closest.distance < clearance) {
-      push += inward * (clearance - closest.distance);
-    }
-  }
-  return push;
-}
-
-struct End {
-  Vector3 at;
-  Support support;
+struct Head {
+  HeadPlan plan;  ///< places in the muscle's sites; `to` is past the end where it ends on the plane
+  Seat from, to;
+  Band band;
 };
 
-double heightOver(const model::CutPlane& plane, const Vector3& p) {
-  return (p - plane.point).dot(plane.normal);
-}
-
-// A millionth of the body is as fine as a first guess can be meant, and reads better in a file.
-Vector3 rounded(const Vector3& p, double diagonal) {
-  const double perStep = std::pow(10.0, -std::floor(std::log10(1e-6 * diagonal)));
-  return (p * perStep).array().round() / perStep;
-}
-
-double shareOutside(const std::vector<Vector3>& points, const mesh::SurfaceQuery& skin) {
-  const mesh::Spline curve(points);
-  constexpr int kSamples = 64;
-  int outside = 0;
-  for (int k = 1; k < kSamples; ++k) {
-    if (!skin.inside(curve.at(curve.parameterAt(curve.length() * k / kSamples)))) ++outside;
-  }
-  return static_cast<double>(outside) / kSamples;
-}
-
-// The bone that the table names where it is near enough, else the nearest one, else free.
-End seated(const AttachmentSite& site, const Surroundings& around) {
-  const double reach = kReachRel * around.diagonal;
-  const std::string wanted = bareName(site.bone);
-  for (const BoneSurface& bone : around.bones) {
-    if (wanted.empty() || bareName(bone.name) != wanted || bone.surface->empty()) continue;
-    const auto closest = bone.surface->closest(site.at);
-    if (closest.distance <= reach) return {closest.point, {Support::On::Bone, bone.name}};
-  }
-  if (const auto snap = snapToBone(site.at, around.bones, reach)) return {snap->at, snap->support};
-  return {site.at, {}};
-}
-
-// The pair of sites farthest apart; of opposite roles where the table tells any. Origin first.
-std::optional<std::pair<std::size_t, std::size_t>> farthestPair(
-    const std::vector<AttachmentSite>& sites, const std::vector<End>& ends, const Vector3& centre) {
-  const auto any = [&](Attachment::Role role) {
-    return std::ranges::find(sites, role, &AttachmentSite::role) != sites.end();
-  };
-  const bool roles = any(Attachment::Role::Origin) && any(Attachment::Role::Insertion);
-  std::optional<std::pair<std::size_t, std::size_t>> best;
-  double longest = 0.0;
-  for (std::size_t a = 0; a < ends.size(); ++a) {
-    for (std::size_t b = 0; b < ends.size(); ++b) {
-      const bool fits = roles ? sites[a].role == Attachment::Role::Origin &&
-                                    sites[b].role == Attachment::Role::Insertion
-                              : (ends[a].at - centre).norm() <= (ends[b].at - centre).norm();
-      const double distance = (ends[a].at - ends[b].at).norm();
-      if (a == b || !fits || distance <= longest) continue;
-      longest = distance;
-      best = {a, b};
-    }
-  }
-  return best;
-}
-
-}  // namespace
-
-namespace {
-
-// One attempt with so many control points; how much of the curve is still badly placed comes with
-// it.
-struct Bent {
-  std::vector<Vector3> points;
-  double astray = 0.0;  // mean push that is still wanted [m]
+/// A muscle that is being made from its sites.
+struct Draft {
+  std::size_t row = 0;  ///< in the table
+  std::vector<AttachmentSite> sites;
+  std::vector<Seat> seats;
+  std::vector<Head> heads;
+  /// Side of the mirror that it keeps to: 1 or −1; 0: none.
+  double side = 0.0;
+  bool median = false;  ///< folded onto the first side, to be unfolded when both sides are kept
 };
 
-Bent bend(const Vector3& from, const Vector3& to, const Surroundings& around, int count) {
-  std::vector<Vector3> points;
-  for (int p = 0; p < count; ++p) points.push_back(from + (to - from) * p / (count - 1));
-  points.back() = to;
-  const double length = (to - from).norm();
-  Bent best{points, std::numeric_limits<double>::infinity()};
+class FirstCurves {
+ public:
+  FirstCurves(const std::vector<MuscleSites>& table, const Surroundings& around, RunContext& run)
+      : table_(table), around_(around), run_(run), space_(around.skin, around.bones) {}
 
-  // Push samples of the curve, hand the pushes to the control points by their share in each sample
-  constexpr int kRounds = 40;
-  constexpr int kSamples = 32;
-  const double clearance = std::min(kClearanceRel * around.diagonal, 0.05 * length);
-  for (int round = 0; round < kRounds; ++round) {
-    const mesh::Spline curve(points);
-    std::vector<Vector3> move(points.size(), Vector3::Zero());
-    std::vector<double> share(points.size(), 1e-12);
-    double astray = 0.0;
-    for (int k = 1; k < kSamples; ++k) {
-      const double way = static_cast<double>(k) / kSamples;
-      const double u = curve.parameterAt(way * curve.length());
-      // Near the ends the curve has to touch the bone it comes from
-      const double slope = std::min(1.0, 5.0 * std::min(way, 1.0 - way));
-      const Vector3 push = pushOut(curve.at(u), clearance * slope, around);
-      astray += slope * push.norm() / kSamples;
-      if (push.isZero(0.0)) continue;
-      const Eigen::VectorXd basis = curve.basis(u);
-      for (std::size_t p = 1; p + 1 < points.size(); ++p) {
-        const double weight = std::max(0.0, basis[static_cast<Eigen::Index>(p)]) * slope;
-        move[p] += weight * push;
-        share[p] += weight;
+  Result<FirstMuscles> make() {
+    plan();
+    spread();
+    settleAll();
+    if (run_.cancelled()) return fail(ErrorCode::Cancelled, "first curves");
+    return finish();
+  }
+
+ private:
+  const std::vector<MuscleSites>& table_;
+  const Surroundings& around_;
+  RunContext& run_;
+  FreeSpace space_;
+  std::vector<std::optional<Draft>> drafts_;          // by row
+  std::vector<std::optional<std::size_t>> imagesOf_;  // by row: the twin that it is the image of
+  std::vector<Findings> findings_;                    // by row
+
+  [[nodiscard]] double rel(double share) const { return share * around_.diagonal; }
+
+  void leaveOut(std::size_t row, const char* kind, std::string message) {
+    findings_[row].push_back({Severity::Note, kind, table_[row].muscle, std::move(message),
+                              table_[row].sites.front().at});
+  }
+
+  // --- who is made, who is an image, and from which sites
+  // -----------------------------------------
+
+  void plan() {
+    drafts_.resize(table_.size());
+    imagesOf_.resize(table_.size());
+    findings_.resize(table_.size());
+    std::vector<bool> second(table_.size(), false);
+    std::vector<std::optional<std::size_t>> twins(table_.size());
+    if (around_.mirror) {
+      second = onSecondSide(table_, *around_.mirror, around_.diagonal);
+      twins = twinsIn(table_);
+    }
+    parallelFor(
+        std::ssize(table_),
+        [&](std::int64_t k) {
+          const auto row = static_cast<std::size_t>(k);
+          if (run_.cancelled()) return;
+          if (second[row] && !around_.keepsBothSides) {
+            leaveOut(row, "other-half",
+                     fmt::format("{} lies on the side that the symmetry plane removes",
+                                 table_[row].muscle));
+          } else if (second[row] && twins[row] && !second[*twins[row]]) {
+            imagesOf_[row] = twins[row];
+          } else {
+            drafts_[row] = draftOf(row, second[row]);
+          }
+        },
+        1);
+  }
+
+  std::optional<Draft> draftOf(std::size_t row, bool second) {
+    Draft draft{.row = row, .sites = table_[row].sites, .seats = {}, .heads = {}};
+    std::optional<AttachmentSite> beyond;
+    if (around_.mirror) {
+      const bool sided = sideFrom(table_[row].muscle) != model::Side::Unknown;
+      draft.side = second ? -1.0 : 1.0;
+      draft.median = !sided && !second;
+      if (draft.median || !around_.keepsBothSides) {
+        FoldedSites fold = folded(table_[row], *around_.mirror, around_.diagonal);
+        draft.sites = std::move(fold.sites);
+        beyond = fold.beyond;
+      }
+      if (draft.sites.empty()) {
+        leaveOut(
+            row, "other-half",
+            fmt::format("{} lies on the side that the symmetry plane removes", table_[row].muscle));
+        return std::nullopt;
       }
     }
-    if (astray < best.astray) best = {points, astray};
-    if (astray < 0.02 * clearance) break;
-    for (std::size_t p = 1; p + 1 < points.size(); ++p) points[p] += move[p] / share[p];
-
-    // A detour this long is no bend, and points this close make loops: the artist knows better
-    double way = 0.0, shortest = length;
-    for (std::size_t p = 1; p < points.size(); ++p) {
-      const double step = (points[p] - points[p - 1]).norm();
-      way += step;
-      shortest = std::min(shortest, step);
+    for (const AttachmentSite& site : draft.sites) {
+      draft.seats.push_back(seatOf(site, around_.bones, space_, around_.diagonal));
+      keepOnSide(draft.seats.back());
     }
-    if (!(way < 1.6 * length) || shortest < 0.1 * length / count) break;
+
+    std::vector<HeadPlan> plans = planHeads(draft.sites, draft.seats, around_.centre);
+    if (plans.empty() && beyond) {
+      // From the one kept site towards the other side, as far as the plane
+      const Vector3 a = draft.seats[0].at;
+      const double ha = around_.mirror->height(a), hb = around_.mirror->height(beyond->at);
+      const Seat seat = seatOnPlane(a + (beyond->at - a) * ha / (ha - hb), *around_.mirror,
+                                    around_.plane, space_, around_.diagonal);
+      draft.heads.push_back({{0, draft.sites.size(), {}}, draft.seats[0], seat, {}});
+    }
+    for (HeadPlan& each : plans)
+      draft.heads.push_back({each, draft.seats[each.from], draft.seats[each.to], {}});
+    std::erase_if(draft.heads, [&](const Head& head) {
+      return (head.from.at - head.to.at).norm() < rel(kShortestRel);
+    });
+    if (draft.heads.empty()) {
+      leaveOut(
+          row, "too-few-sites",
+          fmt::format("{} has no two attachments apart from each other; draw its curve by hand",
+                      table_[row].muscle));
+      return std::nullopt;
+    }
+    return draft;
   }
-  return best;
-}
+
+  // An end on the removed side of the plane would be cut off: along its bone to the plane
+  void keepOnSide(Seat& seat) const {
+    if (!around_.mirror || around_.keepsBothSides) return;
+    constexpr int kSteps = 8;
+    for (int step = 0; step <= kSteps; ++step) {
+      const double height = around_.mirror->height(seat.at);
+      if (height >= 0.0) return;
+      const Vector3 onPlane = seat.at - height * around_.mirror->normal;
+      if (seat.bone < 0 || step == kSteps) {
+        seat.at = onPlane;
+      } else {
+        seat = slid(seat, onPlane - height * around_.mirror->normal, around_.bones, space_,
+                    around_.diagonal);
+      }
+    }
+  }
+
+  // --- ends, then curves
+  // --------------------------------------------------------------------------
+
+  [[nodiscard]] bool onPlane(const Head& head) const {
+    return std::abs(around_.mirror->height(head.from.at)) < rel(kOnPlaneRel) &&
+           std::abs(around_.mirror->height(head.to.at)) < rel(kOnPlaneRel);
+  }
+
+  // The half space that a head keeps to; none for one that runs along the plane of a whole body
+  [[nodiscard]] Vector3 sideOf(const Draft& draft, const Head& head) const {
+    if (draft.side == 0.0) return Vector3::Zero();
+    if (around_.keepsBothSides && draft.median && onPlane(head)) return Vector3::Zero();
+    return draft.side * around_.mirror->normal;
+  }
+
+  void spread() {
+    std::vector<SlidingEnd> ends;
+    for (auto& draft : drafts_) {
+      if (!draft) continue;
+      for (Head& head : draft->heads) {
+        const Band band = bandThrough(head.from.at, {}, head.to.at, around_.diagonal);
+        for (Seat* seat : {&head.from, &head.to}) {
+          SlidingEnd end{seat, static_cast<int>(draft->row), band.apart};
+          // Muscles of the middle meet there; the others keep from their twins
+          if (around_.mirror && !draft->median) {
+            end.planePoint = around_.mirror->point;
+            end.planeNormal = sideOf(*draft, head);
+          }
+          ends.push_back(end);
+        }
+      }
+    }
+    spreadEnds(ends, around_.bones, space_, around_.diagonal);
+  }
+
+  void settleAll() {
+    std::vector<Head*> heads;
+    std::vector<Band> bands;
+    for (auto& draft : drafts_) {
+      if (!draft) continue;
+      for (Head& head : draft->heads) {
+        std::vector<Vector3> along;
+        for (const std::size_t k : head.plan.along) along.push_back(draft->seats[k].at);
+        Band band = bandThrough(head.from.at, along, head.to.at, around_.diagonal);
+        band.muscle = static_cast<int>(draft->row);
+        band.planeNormal = sideOf(*draft, head);
+        if (around_.mirror) band.planePoint = around_.mirror->point;
+        heads.push_back(&head);
+        bands.push_back(std::move(band));
+      }
+    }
+    parallelFor(
+        std::ssize(bands),
+        [&](std::int64_t k) {
+          if (!run_.cancelled()) settle(bands[static_cast<std::size_t>(k)], space_);
+        },
+        1);
+    if (run_.cancelled()) return;
+    const bool mirrored = around_.mirror && around_.keepsBothSides;
+    settleTogether(bands, space_, mirrored ? around_.mirror->point : Vector3::Zero(),
+                   mirrored ? around_.mirror->normal : Vector3::Zero());
+    for (std::size_t k = 0; k < bands.size(); ++k) heads[k]->band = std::move(bands[k]);
+  }
+
+  // --- tissues
+  // ------------------------------------------------------------------------------------
+
+  Result<FirstMuscles> finish() {
+    std::vector<std::optional<model::Tissue>> muscles(table_.size());
+    parallelFor(
+        std::ssize(table_),
+        [&](std::int64_t k) {
+          const auto row = static_cast<std::size_t>(k);
+          if (run_.cancelled()) return;
+          if (drafts_[row]) {
+            muscles[row] = muscleOf(*drafts_[row]);
+          } else if (imagesOf_[row] && drafts_[*imagesOf_[row]]) {
+            muscles[row] = imageOf(*drafts_[*imagesOf_[row]], row);
+          } else if (imagesOf_[row]) {
+            leaveOut(row, "twin-left-out",
+                     fmt::format("{} was left out with its twin {}", table_[row].muscle,
+                                 table_[*imagesOf_[row]].muscle));
+          }
+        },
+        1);
+    if (run_.cancelled()) return fail(ErrorCode::Cancelled, "first curves");
+    FirstMuscles out;
+    for (std::size_t row = 0; row < table_.size(); ++row) {
+      if (muscles[row]) out.muscles.push_back(std::move(*muscles[row]));
+      out.findings.insert(out.findings.end(), findings_[row].begin(), findings_[row].end());
+    }
+    return out;
+  }
+
+  [[nodiscard]] std::vector<Vector3> rounded(std::vector<Vector3> points) const {
+    // A millionth of the body is as fine as a first guess can be meant, and reads better in a file
+    const double perStep = std::pow(10.0, -std::floor(std::log10(rel(1e-6))));
+    for (Vector3& p : points) p = (p * perStep).array().round() / perStep + 0.0;
+    return points;
+  }
+
+  static model::Curve curveOf(const std::vector<Vector3>& points, const Support& start,
+                              const Support& end) {
+    model::Curve curve;
+    curve.start = start;
+    curve.end = end;
+    // Thick in the middle, as muscles are
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const bool atEnd = p == 0 || p + 1 == points.size();
+      curve.points.push_back({points[p], atEnd ? 0.5 : 1.0});
+    }
+    return curve;
+  }
+
+  // Adds the curve, unless it leaves the skin; says what is wrong with it.
+  void add(model::Tissue& muscle, model::Curve curve, std::size_t row) {
+    if (muscle.curves.size() > 0 && curve.name.empty())
+      curve.name = fmt::format("head {}", muscle.curves.size() + 1);
+    const Placement placed = placementOf(model::splineOf(curve), around_);
+    if (placed.outside > kMostOutside) {
+      leaveOut(row, "no-way",
+               fmt::format("{} would leave the skin on its way between its attachments; are all of "
+                           "them its own? Draw its curve by hand",
+                           table_[row].muscle));
+      return;
+    }
+    if (placed.inBone > kMostInBone || placed.outside > 0.0) {
+      findings_[row].push_back(
+          {Severity::Warning, "in-the-way", table_[row].muscle,
+           fmt::format("{}: no way around; {:.0f} % of its curve run through bone and {:.0f} % "
+                       "outside the skin",
+                       table_[row].muscle, 100 * placed.inBone, 100 * placed.outside),
+           curve.points[curve.points.size() / 2].at});
+    }
+    muscle.curves.push_back(std::move(curve));
+  }
+
+  std::optional<model::Tissue> muscleOf(const Draft& draft) {
+    model::Tissue muscle = named(draft.row);
+    for (const Head& head : draft.heads) {
+      const std::vector<Vector3> points = rounded(controlPoints(head.band, space_));
+      if (!draft.median || !around_.keepsBothSides || onPlane(head)) {
+        add(muscle, curveOf(points, head.from.support, head.to.support), draft.row);
+        continue;
+      }
+      const Head image = imageOf(head);
+      const std::vector<Vector3> imagePoints = imageOf(points, head, image);
+      if (head.to.support.on == Support::On::Plane) {
+        // One curve through the plane
+        std::vector<Vector3> through = points;
+        through.insert(through.end(), imagePoints.rbegin() + 1, imagePoints.rend());
+        add(muscle, curveOf(through, head.from.support, image.from.support), draft.row);
+      } else {
+        add(muscle, curveOf(points, head.from.support, head.to.support), draft.row);
+        add(muscle, curveOf(imagePoints, image.from.support, image.to.support), draft.row);
+      }
+    }
+    if (muscle.curves.empty()) return std::nullopt;
+    addAttachments(muscle, draft, false);
+    return muscle;
+  }
+
+  // --- images of twins
+  // ----------------------------------------------------------------------------
+
+  std::optional<model::Tissue> imageOf(const Draft& draft, std::size_t row) {
+    model::Tissue muscle = named(row);
+    for (const Head& head : draft.heads) {
+      const Head image = imageOf(head);
+      add(muscle,
+          curveOf(imageOf(rounded(controlPoints(head.band, space_)), head, image),
+                  image.from.support, image.to.support),
+          row);
+    }
+    if (muscle.curves.empty()) return std::nullopt;
+    addAttachments(muscle, draft, true);
+    return muscle;
+  }
+
+  [[nodiscard]] Seat imageOf(const Seat& seat) const {
+    Seat out = seat;
+    out.at = around_.mirror->image(seat.at);
+    if (seat.bone < 0) return out;
+    AttachmentSite site{.muscle = {}, .bone = {}, .at = out.at, .patchFile = {}};
+    site.bone = mirroredName(seat.support.name).value_or(seat.support.name);
+    return seatOf(site, around_.bones, space_, around_.diagonal);
+  }
+
+  [[nodiscard]] Head imageOf(const Head& head) const {
+    Head out{head.plan, imageOf(head.from), imageOf(head.to), head.band};
+    for (Vector3& p : out.band.points) p = around_.mirror->image(p);
+    for (Vector3& p : out.band.guide) p = around_.mirror->image(p);
+    out.band.planeNormal = -head.band.planeNormal;
+    out.band.points.front() = out.from.at;
+    out.band.points.back() = out.to.at;
+    return out;
+  }
+
+  // The mirrored control points between the image's own ends where they do, else settled anew
+  [[nodiscard]] std::vector<Vector3> imageOf(std::vector<Vector3> points, const Head& head,
+                                             const Head& image) const {
+    for (Vector3& p : points) p = around_.mirror->image(p);
+    points.front() = image.from.at;
+    points.back() = image.to.at;
+    points = rounded(std::move(points));
+    constexpr double kWorse = 0.25;  // of the clearance
+    const double clearance = head.band.clearance;
+    const mesh::Spline spline(points);
+    const auto samples = spline.sample(0.5 * clearance);
+    const auto roomAt = [&](std::size_t k, const Vector3& p) {
+      const double s = spline.lengthTo(samples.u[k]);
+      const double wanted = clearance * easeNearEnd(std::min(s, spline.length() - s), clearance);
+      return std::pair(space_.room(p, wanted), wanted);
+    };
+    for (std::size_t k = 0; k < samples.u.size(); ++k) {
+      const auto [room, wanted] = roomAt(k, samples.point[k]);
+      const double twins = roomAt(k, around_.mirror->image(samples.point[k])).first;
+      if (room >= std::min(twins, wanted) - kWorse * clearance) continue;
+      Band band = image.band;
+      settle(band, space_);
+      return rounded(controlPoints(band, space_));
+    }
+    return points;
+  }
+
+  // --- attachments
+  // --------------------------------------------------------------------------------
+
+  [[nodiscard]] model::Tissue named(std::size_t row) const {
+    return {.name = table_[row].muscle,
+            .kind = model::Tissue::Kind::Muscle,
+            .side = sideFrom(table_[row].muscle)};
+  }
+
+  // The table's own sites of the muscle; roles where the table is silent are those of the curves
+  void addAttachments(model::Tissue& muscle, const Draft& draft, bool image) const {
+    const std::size_t row = image ? rowOf(muscle) : draft.row;
+    for (const AttachmentSite& site : table_[row].sites) {
+      if (around_.mirror && !around_.keepsBothSides &&
+          around_.mirror->height(site.at) <= -rel(kOnPlaneRel))
+        continue;
+      const Seat seat = seatOf(site, around_.bones, space_, around_.diagonal);
+      Attachment attachment{site.role, seat.support, site.at, std::nullopt};
+      if (attachment.role == Attachment::Role::Unknown) attachment.role = roleIn(draft, site.at);
+      if (!site.patchFile.empty())
+        attachment.patch = model::MeshRef{.file = site.patchFile, .part = {}, .unit = {}};
+      muscle.attachments.push_back(std::move(attachment));
+    }
+  }
+
+  [[nodiscard]] std::size_t rowOf(const model::Tissue& muscle) const {
+    return static_cast<std::size_t>(std::ranges::find(table_, muscle.name, &MuscleSites::muscle) -
+                                    table_.begin());
+  }
+
+  [[nodiscard]] Attachment::Role roleIn(const Draft& draft, const Vector3& at) const {
+    const auto isHere = [&](std::size_t site) {
+      if (site >= draft.sites.size()) return false;
+      const Vector3& there = draft.sites[site].at;
+      return there == at ||
+             (around_.mirror && (around_.mirror->image(there) - at).norm() < rel(0.01));
+    };
+    for (const Head& head : draft.heads) {
+      if (isHere(head.plan.from)) return Attachment::Role::Origin;
+      if (isHere(head.plan.to)) return Attachment::Role::Insertion;
+    }
+    return Attachment::Role::Unknown;
+  }
+};
 
 }  // namespace
 
-std::vector<Vector3> bentCurve(const Vector3& from, const Vector3& to, const Surroundings& around,
-                               int count) {
-  if (count == 2 || from == to) return {from, to};
-  Bent best = bend(from, to, around, count);
-  // What four points cannot follow, a tail for one, more points may
-  for (int more = count + 2; more <= 2 * count; more += 2) {
-    if (best.astray < 5e-5 * around.diagonal) break;
-    Bent finer = bend(from, to, around, more);
-    if (finer.astray < 0.7 * best.astray) best = std::move(finer);
-  }
-  return best.points;
+std::vector<Vector3> bentCurve(const Vector3& from, const Vector3& to, const Surroundings& around) {
+  if (from == to) return {from, to};
+  const FreeSpace space(around.skin, around.bones);
+  Band band = bandThrough(from, {}, to, around.diagonal);
+  settle(band, space);
+  return controlPoints(band, space);
 }
 
-std::vector<bool> onRemovedHalf(const std::vector<MuscleSites>& table,
-                                const model::CutPlane& symmetry, double diagonal) {
-  std::unordered_map<std::string, double> height;
-  for (const MuscleSites& muscle : table) {
-    double sum = 0.0;
-    for (const AttachmentSite& site : muscle.sites) sum += heightOver(symmetry, site.at);
-    height[muscle.muscle] = sum / static_cast<double>(muscle.sites.size());
-  }
-  std::vector<bool> out;
-  for (const MuscleSites& muscle : table) {
-    const auto twinName = mirroredName(muscle.muscle);
-    const auto twin = twinName ? height.find(*twinName) : height.end();
-    const double own = height[muscle.muscle];
-    const bool tells = twin != height.end() && std::abs(own - twin->second) > 2e-4 * diagonal;
-    out.push_back(tells ? own < twin->second : own < -1e-3 * diagonal);
+Placement placementOf(const mesh::Spline& curve, const Surroundings& around) {
+  constexpr int kSamples = 200;
+  const double tolerance = kPlacedRel * around.diagonal;
+  Placement out;
+  for (int k = 0; k <= kSamples; ++k) {
+    const Vector3 p = curve.at(curve.parameterAt(curve.length() * k / kSamples));
+    if (!around.skin.inside(p) && around.skin.distance(p) > 1e-6 * around.diagonal)
+      out.outside += 1.0 / (kSamples + 1);
+    const bool within = std::ranges::any_of(around.bones, [&](const BoneSurface& bone) {
+      return bone.solid && bone.distanceToBox(p) == 0.0 && bone.solid->inside(p) &&
+             bone.solid->distance(p) > tolerance;
+    });
+    if (within) out.inBone += 1.0 / (kSamples + 1);
   }
   return out;
 }
 
-std::optional<model::Tissue> muscleFrom(const MuscleSites& table, const Surroundings& around,
-                                        Findings& findings) {
-  const auto leaveOut = [&](const char* kind, std::string message) {
-    findings.push_back(
-        {Severity::Note, kind, table.muscle, std::move(message), table.sites.front().at});
-    return std::nullopt;
-  };
-
-  // What lies beyond the symmetry plane belongs to the other half
-  std::vector<AttachmentSite> sites;
-  std::optional<AttachmentSite> beyond;
-  for (const AttachmentSite& site : table.sites) {
-    const bool kept =
-        !around.symmetry || heightOver(*around.symmetry, site.at) > -1e-3 * around.diagonal;
-    if (kept) {
-      sites.push_back(site);
-    } else if (!beyond) {
-      beyond = site;
-    }
-  }
-  if (sites.empty()) {
-    return leaveOut("other-half", fmt::format("{} lies on the side that the symmetry plane removes",
-                                              table.muscle));
-  }
-
-  std::vector<End> ends;
-  for (const AttachmentSite& site : sites) ends.push_back(seated(site, around));
-  if (sites.size() == 1 && beyond) {
-    // From the one kept site towards the other half, as far as the plane
-    const model::CutPlane& plane = *around.symmetry;
-    const Vector3 a = ends[0].at;
-    const double ha = heightOver(plane, a), hb = heightOver(plane, beyond->at);
-    sites.push_back(*beyond);
-    sites[1].role = Attachment::Role::Unknown;
-    ends.push_back({a + (beyond->at - a) * ha / (ha - hb), {Support::On::Plane, plane.name}});
-  }
-  // An end on the removed side of the plane would be cut off
-  for (End& end : ends) {
-    if (around.symmetry && heightOver(*around.symmetry, end.at) < 0.0) {
-      end.at -= heightOver(*around.symmetry, end.at) * around.symmetry->normal;
-    }
-  }
-
-  const auto pair = farthestPair(sites, ends, around.centre);
-  if (!pair || (ends[pair->first].at - ends[pair->second].at).norm() < 1e-3 * around.diagonal) {
-    return leaveOut(
-        "too-few-sites",
-        fmt::format("{} has no two attachments apart from each other; draw its curve by hand",
-                    table.muscle));
-  }
-  const auto& [first, last] = *pair;
-  model::Tissue muscle{
-      .name = table.muscle, .kind = model::Tissue::Kind::Muscle, .side = sideFrom(table.muscle)};
-  model::Curve curve;
-  curve.start = ends[first].support;
-  curve.end = ends[last].support;
-  // Thick in the middle, as muscles are
-  std::vector<Vector3> points = bentCurve(ends[first].at, ends[last].at, around);
-  for (Vector3& p : points) p = rounded(p, around.diagonal);
-  if (shareOutside(points, around.skin) > 0.1) {
-    return leaveOut(
-        "no-way",
-        fmt::format("{} would leave the skin on its way between its attachments; are all of "
-                    "them its own? Draw its curve by hand",
-                    table.muscle));
-  }
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    const bool atEnd = p == 0 || p + 1 == points.size();
-    curve.points.push_back({points[p], atEnd ? 0.5 : 1.0});
-  }
-  muscle.curves.push_back(std::move(curve));
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    if (ends[k].support.on == Support::On::Plane) continue;
-    Attachment attachment{sites[k].role, ends[k].support, sites[k].at, std::nullopt};
-    if (attachment.role == Attachment::Role::Unknown && k == first)
-      attachment.role = Attachment::Role::Origin;
-    if (attachment.role == Attachment::Role::Unknown && k == last)
-      attachment.role = Attachment::Role::Insertion;
-    if (!sites[k].patchFile.empty())
-      attachment.patch = model::MeshRef{.file = sites[k].patchFile, .part = {}, .unit = {}};
-    muscle.attachments.push_back(std::move(attachment));
-  }
-  return muscle;
+Result<FirstMuscles> firstMuscles(const std::vector<MuscleSites>& table, const Surroundings& around,
+                                  RunContext& run) {
+  return FirstCurves(table, around, run).make();
 }
 
 }  // namespace ecorche::authoring

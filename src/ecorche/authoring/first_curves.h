@@ -2,7 +2,9 @@
 
 #include <ecorche/authoring/attachments.h>
 #include <ecorche/authoring/snap.h>
+#include <ecorche/authoring/twins.h>
 #include <ecorche/core/finding.h>
+#include <ecorche/core/run_context.h>
 #include <ecorche/mesh/surface_query.h>
 
 #include <optional>
@@ -16,30 +18,44 @@ struct Surroundings {
   const std::vector<BoneSurface>& bones;
   double diagonal = 0.0;  ///< of the skin [m]
   mesh::Vector3 centre =
-      mesh::Vector3::Zero();  ///< middle of the body: of two ends, the nearer one is the origin
-  std::optional<model::CutPlane> symmetry;  ///< only what lies on its kept side is built
+      mesh::Vector3::Zero();     ///< middle of the body: of two ends, the nearer one is the origin
+  std::optional<Mirror> mirror;  ///< what makes left and right alike; its first side is kept
+  bool keepsBothSides =
+      false;  ///< else what lies beyond the mirror is cut off; `plane` is its name
+  std::string plane = "median";
 };
 
 /// Control points of a curve between two points: straight where nothing is in the way, else bent
-/// just as far as it takes to stay inside the skin and out of closed bones. Ends are kept.
-/// @param count  of control points, at least 2; up to twice as many where these do not do
+/// gently, just as far as it takes to stay inside the skin and out of bones. Ends are kept. Four
+/// points where they do, up to twenty.
 [[nodiscard]] std::vector<mesh::Vector3> bentCurve(const mesh::Vector3& from,
                                                    const mesh::Vector3& to,
-                                                   const Surroundings& around, int count = 4);
+                                                   const Surroundings& around);
 
-/// Which muscles of a table belong to the half that a symmetry plane removes: of a left and a right
-/// one the one that lies lower over the plane, of the others those with their sites' middle below
-/// it.
-[[nodiscard]] std::vector<bool> onRemovedHalf(const std::vector<MuscleSites>& table,
-                                              const model::CutPlane& symmetry, double diagonal);
+struct FirstMuscles {
+  std::vector<model::Tissue> muscles;  ///< in table order, without those that could not be made
+  Findings
+      findings;  ///< a note on every muscle that was left out and why, warnings about poor ones
+};
 
-/// A muscle made of a table's sites: all of them as attachments, and one curve between the two that
-/// are farthest apart (an origin and an insertion, where roles are known). Sites go to the bone
-/// they name if it is near, else to the nearest; curve ends lie on it. With a symmetry plane, sites
-/// beyond it are left out; a muscle that goes on there ends on the plane.
-/// @param findings  gets a note on every muscle that was left out and why
-[[nodiscard]] std::optional<model::Tissue> muscleFrom(const MuscleSites& table,
-                                                      const Surroundings& around,
-                                                      Findings& findings);
+/// Muscles made of a table's sites: all sites as attachments, and curves between those that
+/// planHeads chooses, with ends on bones where these are exposed, clear of skin and bones and apart
+/// from one another.
+///
+/// With a mirror, twins are made alike: one is made, the other is its image with its own bones. If
+/// only the first side is kept, sites beyond the plane are left out, and a muscle that goes on
+/// there ends on the plane; else it goes through.
+///
+/// @errors  Cancelled
+[[nodiscard]] Result<FirstMuscles> firstMuscles(const std::vector<MuscleSites>& table,
+                                                const Surroundings& around, RunContext& run);
+
+/// How well a curve is placed: shares of its length outside the skin, and within closed bones,
+/// deeper than the tolerance of ends (a two-thousandth of the diagonal).
+struct Placement {
+  double outside = 0.0;
+  double inBone = 0.0;
+};
+[[nodiscard]] Placement placementOf(const mesh::Spline& curve, const Surroundings& around);
 
 }  // namespace ecorche::authoring

@@ -1,7 +1,10 @@
 #include <ecorche/authoring/attachments.h>
 #include <ecorche/authoring/first_curves.h>
+#include <ecorche/authoring/muscle_choice.h>
+#include <ecorche/authoring/muscle_heads.h>
 #include <ecorche/authoring/names.h>
 #include <ecorche/authoring/new_project.h>
+#include <ecorche/authoring/solid_bone.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/read_mesh.h>
 #include <ecorche/model/project_check.h>
@@ -9,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace ecorche::authoring {
 
@@ -132,63 +136,40 @@ std::optional<model::CutPlane> cutPlaneFrom(const ParsedSymmetry& asked,
   return plane;
 }
 
-// First curves for all muscles of a table, in its order.
-Result<std::vector<model::Tissue>> musclesFrom(const NewProjectRequest& request,
-                                               const mesh::SurfaceMesh& skin,
-                                               const std::vector<NamedMesh>& bones,
-                                               const std::optional<model::CutPlane>& symmetry,
-                                               NewProject& out, RunContext& run) {
-  const auto table = readAttachments(*request.attachments, model::metresPer(request.unit));
-  if (!table) return passOn(table);
-  out.musclesInTable = table->size();
-
-  const Stage stage(run, "first curves");
-  std::vector<BoneSurface> surfaces(bones.size());
+// Bones with an inside, so that curves can be kept out of them.
+Result<std::vector<BoneSurface>> solidBones(const std::vector<NamedMesh>& bones, double diagonal,
+                                            Findings& findings, RunContext& run) {
+  constexpr double kWrapRel = 0.001;  // as near as a domain comes to its bones
+  const Stage stage(run, "making bones solid");
+  std::vector<Result<BoneSurface>> made(bones.size());
+  std::vector<Findings> notes(bones.size());
   parallelFor(
-      static_cast<std::int64_t>(bones.size()),
-      [&](std::int64_t k) {
-        const auto& each = bones[static_cast<std::size_t>(k)];
-        surfaces[static_cast<std::size_t>(k)] = boneSurface(each.bone.name, each.mesh);
-      },
-      1);
-  const mesh::SurfaceQuery skinQuery(skin);
-  const mesh::Box box = mesh::boundingBox(skin);
-  const Surroundings around{skinQuery, surfaces, box.diagonal(), box.centre(), symmetry};
-
-  std::vector<bool> removed(table->size(), false);
-  if (symmetry) removed = onRemovedHalf(*table, *symmetry, box.diagonal());
-  std::vector<std::optional<model::Tissue>> muscles(table->size());
-  std::vector<Findings> findings(table->size());
-  parallelFor(
-      static_cast<std::int64_t>(table->size()),
+      std::ssize(bones),
       [&](std::int64_t k) {
         const auto i = static_cast<std::size_t>(k);
-        const MuscleSites& each = (*table)[i];
-        if (run.cancelled()) return;
-        if (!removed[i]) {
-          muscles[i] = muscleFrom(each, around, findings[i]);
-        } else {
-          findings[i].push_back({Severity::Note, "other-half", each.muscle,
-                                 each.muscle + " lies on the side that the symmetry plane removes",
-                                 each.sites.front().at});
-        }
+        made[i] = solidBone(bones[i].bone.name, bones[i].mesh, kWrapRel * diagonal, notes[i], run);
       },
       1);
-  if (run.cancelled()) return fail(ErrorCode::Cancelled, "first curves");
+  std::vector<BoneSurface> out;
+  for (std::size_t i = 0; i < bones.size(); ++i) {
+    if (!made[i]) return passOn(made[i]);
+    out.push_back(std::move(*made[i]));
+    findings.insert(findings.end(), notes[i].begin(), notes[i].end());
+  }
+  return out;
+}
 
-  // Patches lie beside the table or in its folder "sites"; those that are not there are not named
-  const fs::path folder = request.attachments->parent_path();
-  std::vector<model::Tissue> tissues;
-  for (std::size_t k = 0; k < muscles.size(); ++k) {
-    out.findings.insert(out.findings.end(), findings[k].begin(), findings[k].end());
-    if (!muscles[k]) continue;
-    for (model::Attachment& attachment : muscles[k]->attachments) {
+// Patches lie beside the table or in its folder "sites"; those that are not there are not named.
+void findPatches(std::vector<model::Tissue>& muscles, const fs::path& folder,
+                 const fs::path& projectFolder) {
+  for (model::Tissue& muscle : muscles) {
+    for (model::Attachment& attachment : muscle.attachments) {
       if (!attachment.patch) continue;
       std::optional<std::string> file;
       for (const fs::path& place :
            {folder / attachment.patch->file, folder / "sites" / attachment.patch->file}) {
         std::error_code ignored;
-        if (fs::is_regular_file(place, ignored)) file = model::pathFrom(out.project.folder, place);
+        if (fs::is_regular_file(place, ignored)) file = model::pathFrom(projectFolder, place);
       }
       if (file) {
         attachment.patch->file = *file;
@@ -196,9 +177,50 @@ Result<std::vector<model::Tissue>> musclesFrom(const NewProjectRequest& request,
         attachment.patch.reset();
       }
     }
-    tissues.push_back(std::move(*muscles[k]));
   }
-  return tissues;
+}
+
+// First curves for the chosen muscles of a table, in its order.
+Result<std::vector<model::Tissue>> musclesFrom(const NewProjectRequest& request,
+                                               const mesh::SurfaceMesh& skin,
+                                               const std::vector<NamedMesh>& bones, NewProject& out,
+                                               RunContext& run) {
+  auto table = readAttachments(*request.attachments, model::metresPer(request.unit));
+  if (!table) return passOn(table);
+  out.musclesInTable = table->size();
+  const mesh::Box box = mesh::boundingBox(skin);
+  const double diagonal = box.diagonal();
+
+  std::optional<Mirror> mirror;
+  Findings taken;
+  if (out.mirror) {
+    mirror = Mirror{out.mirror->point, out.mirror->normal};
+    *table = withTwinSites(*table, *mirror, diagonal, taken);
+  }
+  if (!request.muscles.empty()) {
+    table = chosenMuscles(*table, request.muscles);
+    if (!table) {
+      Error error = table.error();
+      error.place.file = request.attachments->string();
+      return tl::unexpected(std::move(error));
+    }
+  }
+  std::ranges::copy_if(taken, std::back_inserter(out.findings), [&](const Finding& finding) {
+    return std::ranges::find(*table, finding.object, &MuscleSites::muscle) != table->end();
+  });
+  *table = partedMuscles(*table, diagonal, out.findings);
+  const auto surfaces = solidBones(bones, diagonal, out.findings, run);
+  if (!surfaces) return passOn(surfaces);
+
+  const Stage stage(run, "first curves");
+  const mesh::SurfaceQuery skinQuery(skin);
+  Surroundings around{skinQuery, *surfaces, diagonal, box.centre(), mirror, request.whole};
+  if (out.mirror) around.plane = out.mirror->name;
+  auto made = firstMuscles(*table, around, run);
+  if (!made) return passOn(made);
+  out.findings.insert(out.findings.end(), made->findings.begin(), made->findings.end());
+  findPatches(made->muscles, request.attachments->parent_path(), out.project.folder);
+  return std::move(made->muscles);
 }
 
 }  // namespace
@@ -253,11 +275,11 @@ Result<NewProject> newProject(const NewProjectRequest& request, RunContext& run)
                               {}});
     }
   }
-  const auto plane = cutPlaneFrom(request.symmetry, out.symmetry);
-  if (plane) out.project.cutPlanes.push_back(*plane);
+  out.mirror = cutPlaneFrom(request.symmetry, out.symmetry);
+  if (out.mirror && !request.whole) out.project.cutPlanes.push_back(*out.mirror);
 
   if (request.attachments) {
-    auto muscles = musclesFrom(request, *skin, *bones, plane, out, run);
+    auto muscles = musclesFrom(request, *skin, *bones, out, run);
     if (!muscles) return passOn(muscles);
     out.project.tissues = std::move(*muscles);
   }

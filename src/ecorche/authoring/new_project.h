@@ -38,13 +38,18 @@ struct NewProjectRequest {
   std::string skinPart;                      ///< empty: the whole file
   std::vector<std::filesystem::path> bones;  ///< files, or folders whose meshes are all taken
   std::optional<std::filesystem::path> attachments;
+  std::vector<std::string> muscles;  ///< of the table, see chosenMuscles; empty: all
   ParsedSymmetry symmetry{NoSymmetry{}};
+  /// Keep both halves of a symmetric body: the plane makes left and right muscles alike, but cuts
+  /// nothing off.
+  bool whole = false;
   model::Unit unit = model::Unit::Metre;  ///< of all these files
 };
 
 struct NewProject {
   model::Project project;
   std::optional<SymmetryPlane> symmetry;  ///< where one was looked for and found
+  std::optional<model::CutPlane> mirror;  ///< found or given, whether it cuts or not
   std::size_t musclesInTable = 0;
   Findings findings;  ///< what was left out, what looks wrong
 };

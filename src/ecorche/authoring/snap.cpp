@@ -8,10 +8,6 @@ using model::Support;
 
 namespace {
 
-double distanceTo(const mesh::Box& box, const Vector3& p) {
-  return (box.lo - p).cwiseMax(p - box.hi).cwiseMax(Vector3::Zero()).norm();
-}
-
 void keepNearer(std::optional<Snap>& best, double reach, const Support& support, const Vector3& at,
                 const Vector3& p) {
   const double distance = (at - p).norm();
@@ -22,9 +18,10 @@ void keepNearer(std::optional<Snap>& best, double reach, const Support& support,
 
 BoneSurface boneSurface(std::string name, const mesh::SurfaceMesh& mesh) {
   const mesh::SurfaceCheck check = mesh::checkSurface(mesh);
-  return {std::move(name), mesh::boundingBox(mesh),
-          check.borderEdges == 0 && check.inconsistentEdges == 0,
-          std::make_shared<mesh::SurfaceQuery>(mesh)};
+  BoneSurface out{std::move(name), mesh::boundingBox(mesh),
+                  std::make_shared<mesh::SurfaceQuery>(mesh), nullptr};
+  if (check.borderEdges == 0 && check.inconsistentEdges == 0) out.solid = out.surface;
+  return out;
 }
 
 SnapTargets snapTargets(const model::Project& project, std::vector<BoneSurface> bones) {
@@ -41,7 +38,7 @@ std::optional<Snap> snapToBone(const Vector3& p, const std::vector<BoneSurface>&
   std::optional<Snap> best;
   for (const BoneSurface& bone : bones) {
     const double limit = best ? best->distance : reach;
-    if (bone.surface->empty() || distanceTo(bone.box, p) > limit) continue;
+    if (bone.surface->empty() || bone.distanceToBox(p) > limit) continue;
     keepNearer(best, reach, {Support::On::Bone, bone.name}, bone.surface->closest(p).point, p);
   }
   return best;

@@ -15,8 +15,14 @@ namespace ecorche::authoring {
 struct BoneSurface {
   std::string name;
   mesh::Box box;
-  bool closed = false;  ///< inside has a meaning
-  std::shared_ptr<const mesh::SurfaceQuery> surface;
+  std::shared_ptr<const mesh::SurfaceQuery> surface;  ///< as given: ends sit on it
+  /// Closed, so that inside has a meaning: the surface itself, or one around it (see solidBone).
+  /// None where the surface is open.
+  std::shared_ptr<const mesh::SurfaceQuery> solid;
+
+  [[nodiscard]] double distanceToBox(const mesh::Vector3& p) const {
+    return (box.lo - p).cwiseMax(p - box.hi).cwiseMax(mesh::Vector3::Zero()).norm();
+  }
 };
 /// @param mesh  has a face with an area
 [[nodiscard]] BoneSurface boneSurface(std::string name, const mesh::SurfaceMesh& mesh);
