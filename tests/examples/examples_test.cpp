@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 #include "support/paths.h"
 
@@ -55,6 +56,25 @@ Example load(const std::filesystem::path& file) {
   };
   example.skin = surface(project->skin);
   for (const model::Bone& bone : project->bones) example.bones[bone.name] = surface(bone.mesh);
+  return example;
+}
+
+// A project on the dog, with meshes from where script/fetch-dog would copy them.
+Example loadDog(const char* name) {
+  auto project = model::loadProject(exampleFolder() / "dog" / name);
+  if (!project) FAIL(project.error().text());
+  RunContext run;
+  Example example{*project, {}, {}};
+  auto read = [&](const std::filesystem::path& file) {
+    auto surface = mesh::readMesh(file, {}, run);
+    if (!surface) FAIL(surface.error().text());
+    return *surface;
+  };
+  example.skin = read(test::dataFolder() / "dog" / "SKINbody.stl");
+  for (const model::Bone& bone : project->bones) {
+    const auto file = std::filesystem::path(bone.mesh.file).filename();
+    example.bones[bone.name] = read(test::dataFolder() / "dog" / "bones" / file);
+  }
   return example;
 }
 
@@ -233,24 +253,56 @@ TEST_CASE("the mirrored arm is symmetric, its half is half of it") {
 
 TEST_CASE("curves of the hind limb start and end on bone and run between skin and bones") {
   if (!test::haveData("dog")) return;
-  auto project = model::loadProject(exampleFolder() / "dog" / "hind-limb.ecorche");
-  if (!project) FAIL(project.error().text());
-  CHECK(project->tissues.size() >= 24);
-
-  // The meshes lie where script/fetch-dog would copy them from
-  RunContext run;
-  Example example{*project, {}, {}};
-  auto read = [&](const std::filesystem::path& file) {
-    auto surface = mesh::readMesh(file, {}, run);
-    if (!surface) FAIL(surface.error().text());
-    return *surface;
-  };
-  example.skin = read(test::dataFolder() / "dog" / "SKINbody.stl");
-  for (const model::Bone& bone : project->bones) {
-    const auto file = std::filesystem::path(bone.mesh.file).filename();
-    example.bones[bone.name] = read(test::dataFolder() / "dog" / "bones" / file);
-  }
+  const Example example = loadDog("hind-limb.ecorche");
+  CHECK(example.project.tissues.size() >= 24);
   checkCurves(example, {.bone = 0.001, .skin = 0.002});
+}
+
+TEST_CASE("the projects to measure on are what they say, with curves from bone to bone") {
+  if (!test::haveData("dog")) return;
+  for (const auto& [name, muscles, planes] :
+       {std::tuple("left-39.ecorche", 39, 1), {"bench-150.ecorche", 150, 0}}) {
+    INFO(name);
+    const Example example = loadDog(name);
+    const model::Project& project = example.project;
+    CHECK(static_cast<int>(project.tissues.size()) == muscles);
+    CHECK(static_cast<int>(project.cutPlanes.size()) == planes);
+    CHECK(project.bones.size() == 172);
+
+    const mesh::SurfaceQuery skin(example.skin);
+    std::map<std::string, mesh::SurfaceQuery> bones;
+    std::map<std::string, mesh::Box> boxes;
+    for (const auto& [bone, surface] : example.bones) {
+      bones.emplace(bone, mesh::SurfaceQuery(surface));
+      boxes[bone] = mesh::boundingBox(surface);
+    }
+    for (const model::Tissue& tissue : project.tissues) {
+      CHECK(tissue.kind == model::Tissue::Kind::Muscle);
+      for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
+        const model::Curve& curve = tissue.curves[c];
+        INFO(model::curveLabel(tissue, c));
+        for (const auto& [support, at] : {std::pair(curve.start, curve.points.front().at),
+                                          std::pair(curve.end, curve.points.back().at)}) {
+          CHECK(support.on == model::Support::On::Bone);
+          if (support.on == model::Support::On::Bone)
+            CHECK(bones.at(support.name).distance(at) < 1e-4);
+        }
+        const mesh::Spline spline = model::splineOf(curve);
+        double outside = 0.0, inBone = 0.0;
+        const auto samples = spline.sample(0.001);
+        for (const mesh::Vector3& p : samples.point) {
+          if (!skin.inside(p)) outside += 1.0;
+          for (const auto& [bone, query] : bones) {
+            const mesh::Box& box = boxes.at(bone);
+            if (((p - box.hi).array() > 0.0).any() || ((box.lo - p).array() > 0.0).any()) continue;
+            if (query.signedDistance(p) < -0.001) inBone += 1.0;
+          }
+        }
+        CHECK(outside == 0.0);
+        CHECK(inBone <= 0.01 * static_cast<double>(samples.point.size()));
+      }
+    }
+  }
 }
 
 }  // namespace ecorche
