@@ -149,24 +149,6 @@ class MovingBand {
   std::vector<double> length_;
 };
 
-double settleOnce(Band& band, const FreeSpace& space) {
-  MovingBand moving(band);
-  Band best = band;
-  double least = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kRounds; ++round) {
-    const double missing = moving.askWalls(space);
-    if (missing < least) {
-      least = missing;
-      best = band;
-    }
-    if (missing < kGoodEnough) break;
-    moving.move();
-    if (round % 10 == 9) moving.respace();
-  }
-  band = std::move(best);
-  return least;
-}
-
 // A point of another band that is too near, or would be without the ends.
 struct Neighbour {
   Vector3 point;
@@ -232,9 +214,27 @@ Band bandThrough(const Vector3& from, const std::vector<Vector3>& along, const V
   return out;
 }
 
+double settleNearby(Band& band, const FreeSpace& space) {
+  MovingBand moving(band);
+  Band best = band;
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kRounds; ++round) {
+    const double missing = moving.askWalls(space);
+    if (missing < least) {
+      least = missing;
+      best = band;
+    }
+    if (missing < kGoodEnough) break;
+    moving.move();
+    if (round % 10 == 9) moving.respace();
+  }
+  band = std::move(best);
+  return least;
+}
+
 double settle(Band& band, const FreeSpace& space) {
   const std::vector<Vector3> start = band.points;
-  double best = settleOnce(band, space);
+  double best = settleNearby(band, space);
   constexpr double kPoor = 0.5;
   if (best < kPoor) return best;
 
@@ -254,7 +254,7 @@ double settle(Band& band, const FreeSpace& space) {
       detour.points[i] = start[i] + std::sin(std::numbers::pi * share) * off;
     }
     detour.points.back() = start.back();
-    const double missing = settleOnce(detour, space);
+    const double missing = settleNearby(detour, space);
     // A longer way has to be better by something
     if (missing < 0.8 * best - 0.02) {
       best = missing;

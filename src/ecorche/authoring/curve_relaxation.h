@@ -36,6 +36,9 @@ struct Band {
 /// @return  how much clearance is still missing at the worst point, over the clearance
 double settle(Band& band, const FreeSpace& space);
 
+/// The same without detours: for a band that is nearly there.
+double settleNearby(Band& band, const FreeSpace& space);
+
 /// All bands at once, so that they also keep apart from one another. The same for any thread count.
 /// @param mirrored  bands have images beyond this plane (point, unit normal), which they keep apart
 ///                  from too; a zero normal: none

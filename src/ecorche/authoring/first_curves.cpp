@@ -385,7 +385,7 @@ class FirstCurves {
       const double twins = roomAt(k, around_.mirror->image(samples.point[k])).first;
       if (room >= std::min(twins, wanted) - kWorse * clearance) continue;
       Band band = image.band;
-      settle(band, space_);
+      settleNearby(band, space_);
       return rounded(controlPoints(band, space_));
     }
     return points;

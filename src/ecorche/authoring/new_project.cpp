@@ -139,7 +139,7 @@ std::optional<model::CutPlane> cutPlaneFrom(const ParsedSymmetry& asked,
 // Bones with an inside, so that curves can be kept out of them.
 Result<std::vector<BoneSurface>> solidBones(const std::vector<NamedMesh>& bones, double diagonal,
                                             Findings& findings, RunContext& run) {
-  constexpr double kWrapRel = 0.001;  // as near as a domain comes to its bones
+  constexpr double kWrapRel = 0.002;  // less than curves keep clear of bones
   const Stage stage(run, "making bones solid");
   std::vector<Result<BoneSurface>> made(bones.size());
   std::vector<Findings> notes(bones.size());

@@ -20,7 +20,9 @@ BoneSurface boneSurface(std::string name, const mesh::SurfaceMesh& mesh) {
   const mesh::SurfaceCheck check = mesh::checkSurface(mesh);
   BoneSurface out{std::move(name), mesh::boundingBox(mesh),
                   std::make_shared<mesh::SurfaceQuery>(mesh), nullptr};
-  if (check.borderEdges == 0 && check.inconsistentEdges == 0) out.solid = out.surface;
+  // Winding numbers bear edges with four faces, but doubled faces may cancel each other
+  if (check.borderEdges == 0 && check.inconsistentEdges == 0 && check.duplicateFaces == 0)
+    out.solid = out.surface;
   return out;
 }
 
