@@ -204,7 +204,7 @@ TEST_CASE("the dog's muscles get curves inside the skin, out of bones, alike on 
   for (const model::Bone& bone : project.bones) {
     bones.push_back(solidBone(bone.name,
                               mesh::readMesh(model::meshPath(project, bone.mesh), {}, run).value(),
-                              1e-3 * box.diagonal(), notes, run)
+                              2e-3 * box.diagonal(), notes, run)
                         .value());
     CHECK(bones.back().solid);
   }
