@@ -26,7 +26,9 @@ struct Finding {
   std::string object;   ///< mesh, bone or muscle by name
   std::string message;  ///< a sentence for people: what, how much, what was done
   std::optional<Eigen::Vector3d> point;  ///< world [m]
-  double size = 0.0;    ///< extent [m], area [m²], volume [m³] or count, as the kind says; 0: none
+  double size = 0.0;  ///< extent [m], area [m²], volume [m³] or count, as the kind says; 0: none
+  /// Where something was only looked at: what `build` does about it, or what the user can.
+  std::string remedy{};
 };
 
 using Findings = std::vector<Finding>;

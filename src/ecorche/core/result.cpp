@@ -28,6 +28,7 @@ std::string_view name(ErrorCode code) {
     EC_NAME(SkinNotClosed)
     EC_NAME(MeshNotRepairable)
     EC_NAME(BonesOutsideSkin)
+    EC_NAME(UnitsDiffer)
     EC_NAME(EmptyDomain)
     EC_NAME(ComponentWithoutSkin)
     EC_NAME(MeshingFailed)

@@ -34,6 +34,7 @@ enum class ErrorCode {
   MeshNotRepairable,
   // Domain
   BonesOutsideSkin,
+  UnitsDiffer,
   EmptyDomain,
   ComponentWithoutSkin,
   MeshingFailed,
