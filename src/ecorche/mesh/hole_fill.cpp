@@ -11,6 +11,7 @@
 #include <ecorche/mesh/hole_fill.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <exception>
 
@@ -84,7 +85,10 @@ StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
       ++edges;
     }
     const double whole = boxes[piece[mesh.face(mesh.opposite(border))]].diagonal();
-    if (box.diagonal() > holeRel * whole) continue;
+    // The fewer its edges, the surer that a face or two are missing
+    constexpr double kFew = 20.0;
+    if (box.diagonal() > std::max(1.0, kFew / static_cast<double>(edges)) * holeRel * whole)
+      continue;
     // The exhaustive search takes the cube of the border's length
     std::vector<Mesh::Face_index> patch;
     PMP::triangulate_hole(mesh, border, std::back_inserter(patch),

@@ -14,8 +14,9 @@ struct ManifoldReport {
 };
 
 /// Makes faces agree about their sides, splits edges and vertices that join too much, takes out
-/// faces without area and fills holes no wider than `holeRel` of their piece's diagonal (CGAL).
-/// Faces name no vertex twice, and none is doubled.
+/// faces without area and fills holes no wider than `holeRel` of their piece's diagonal (CGAL);
+/// holes of less than 20 edges, where a face or two are missing, may be wider: of n edges 20/n
+/// times. Faces name no vertex twice, and none is doubled.
 /// @errors  MeshNotRepairable, Cancelled
 [[nodiscard]] Result<ManifoldReport> makeManifold(LabelledFaces& faces, double holeRel,
                                                   RunContext& run);

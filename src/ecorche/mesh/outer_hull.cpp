@@ -1,12 +1,15 @@
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <ecorche/mesh/cgal_surface.h>
+#include <ecorche/mesh/orientation.h>
 #include <ecorche/mesh/outer_hull.h>
+#include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <ecorche/mesh/weld.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <vector>
@@ -28,6 +31,20 @@ FaceComponents patchesOf(const Triangles& F) {
     within.first.push_back(static_cast<std::int32_t>(within.slot.size()));
   }
   return components(F, within);
+}
+
+/// Faces that overlap within one plane: CGAL's refinement does not refuse them, it crashes.
+bool liesUponItself(const SurfaceMesh& mesh) {
+  const auto at = [&](std::int32_t f, int k) -> Vector3 {
+    return mesh.V.row(mesh.F(f, k)).transpose();
+  };
+  return std::ranges::any_of(selfIntersections(mesh.V, mesh.F), [&](const auto& pair) {
+    const auto [f, g] = pair;
+    for (int k = 0; k < 3; ++k) {
+      if (orientation(at(f, 0), at(f, 1), at(f, 2), at(g, k)) != 0) return false;
+    }
+    return true;
+  });
 }
 
 /// How often the surface winds around what lies just above a face: half-way to what is met next.
@@ -79,7 +96,7 @@ SurfaceMesh withTipsApart(SurfaceMesh mesh) {
 
 std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
   auto surface = toCgal(mesh);
-  if (!surface) return std::nullopt;
+  if (!surface || liesUponItself(mesh)) return std::nullopt;
   try {
     CGAL::Polygon_mesh_processing::experimental::autorefine(*surface);
   } catch (const std::exception&) {

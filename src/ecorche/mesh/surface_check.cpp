@@ -66,14 +66,14 @@ class Checker {
     std::int32_t seen = 0;
     for (Eigen::Index v = 0; v < mesh_.V.rows(); ++v) {
       const Vector3 p = mesh_.V.row(v).transpose();
-      if (!p.allFinite()) {
+      if (used[static_cast<std::size_t>(v)] == 0) {
+        if (check_.unusedVertices++ == 0 && p.allFinite()) unused = p;
+      } else if (!p.allFinite()) {
         if (check_.nonFiniteVertices++ == 0) {
           find(Severity::Error, "non-finite-vertex",
                fmt::format("vertex {} is ({}, {}, {})", v + 1, p.x(), p.y(), p.z()), std::nullopt,
                0.0);
         }
-      } else if (used[static_cast<std::size_t>(v)] == 0) {
-        if (check_.unusedVertices++ == 0) unused = p;
       } else if (welder.add(p.x(), p.y(), p.z()) < seen) {
         if (check_.duplicateVertices++ == 0) repeated = p;
       } else {
@@ -159,6 +159,7 @@ class Checker {
       hole.place = box.centre();
       hole.extent = box.diagonal();
       hole.edges = static_cast<std::int64_t>(border.edges.size());
+      hole.box = box;
       check_.holes.push_back(hole);
     }
     std::ranges::stable_sort(check_.holes, std::greater{}, &SurfaceCheck::Hole::extent);

@@ -1,7 +1,9 @@
 #include <ecorche/mesh/face_repair.h>
 #include <ecorche/mesh/hole_fill.h>
+#include <ecorche/mesh/inner_walls.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_repair.h>
+#include <ecorche/mesh/t_junctions.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -96,9 +98,11 @@ class Repair {
            "merged {} vertices with others at the same place");
     report("crack", weldBorders(faces_, options_.weldRel * diagonal),
            "merged {} vertices along cracks, up to {:.3g} m wide");
+    if (before.borderEdges > 0) splitSeams(diagonal);
     report("degenerate-faces", dropCollapsed(faces_), "dropped {} faces without area");
     report("duplicate-faces", dropDoubled(faces_),
            "dropped {} faces that lay upon others or between touching pieces");
+    report("inner-wall", dropInnerWalls(faces_), "dropped {} walls inside, up to {:.3g} m across");
     // Before anything is split or filled, so that a stray face is not taken for a surface
     report("speck", dropSpecks(faces_, speckExtent_),
            "dropped {} small pieces, up to {:.3g} m across");
@@ -122,6 +126,23 @@ class Repair {
     return {};
   }
 
+  // A face gets corners on one side at a time, and corners on one side may leave others to be found
+  void splitSeams(double diagonal) {
+    constexpr int kRounds = 4;
+    StepReport all;
+    for (int round = 0; round < kRounds; ++round) {
+      const StepReport step = splitAtTJunctions(faces_, options_.weldRel * diagonal);
+      if (step.count == 0) break;
+      if (!all.place) all.place = step.place;
+      all.count += step.count;
+      all.size = std::max(all.size, step.size);
+    }
+    if (all.count == 0) return;
+    all.size = 0.0;  // they lie where they lay; their number says more
+    report("t-junctions", all, "gave {} vertices of one side of a seam to the other");
+    weldBorders(faces_, options_.weldRel * diagonal);
+  }
+
   // What no repair here can mend, and a skin must not have.
   Result<void> look(const SurfaceMesh& mesh) {
     const SurfaceCheck after = checkSurface(mesh);
@@ -130,7 +151,8 @@ class Repair {
       const std::size_t others = after.holes.size() - 1;
       return fail(ErrorCode::SkinNotClosed,
                   fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; close it where "
-                              "the mesh was made",
+                              "the mesh was made, or ask for \"repair\": \"fill-holes\" (a flat "
+                              "cap) or \"wrap\" (a skin laid around it)",
                               mesh.name, hole.edges, hole.extent,
                               others > 0 ? fmt::format(", and {} more", others) : ""),
                   {.object = mesh.name, .point = hole.place});

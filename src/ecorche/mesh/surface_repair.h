@@ -14,7 +14,8 @@ struct RepairOptions {
   double weldRel = 1e-5;
   /// Pieces smaller than this, next to larger ones, are dropped. 0: none.
   double speckRel = 1e-3;
-  /// Holes no wider than this share of their piece's diagonal are filled. 0: none.
+  /// Holes no wider than this share of their piece's diagonal are filled; of n < 20 edges, where a
+  /// face or two are missing, up to 20/n times as wide. 0: none.
   double holeRel = 0.05;
   /// What is open in the end is an error (a skin must be closed); otherwise a warning.
   bool mustClose = false;
@@ -27,10 +28,10 @@ struct RepairedSurface {
 };
 
 /// Repairs what is certain and says so [DESIGN §5.2]: merges equal and almost equal vertices, drops
-/// doubled faces, faces without area, walls between touching pieces and specks, splits edges and
-/// vertices that join too much, makes faces agree about their sides, fills small holes and turns
-/// pieces outward. Inward pieces within outward ones are walls of cavities and stay. A sound mesh
-/// comes back as it is, without its unused vertices.
+/// doubled faces, faces without area, inner walls, walls between touching pieces and specks, splits
+/// edges and vertices that join too much, makes faces agree about their sides, fills small holes
+/// and turns pieces outward. Inward pieces within outward ones are walls of cavities and stay. A
+/// sound mesh comes back as it is, without its unused vertices.
 ///
 /// Self-intersections and large holes are left alone.
 /// @errors  NonFiniteVertex, MeshWithoutFaces (nothing is left), SkinNotClosed (the place is the
