@@ -220,10 +220,10 @@ TEST_CASE("what cannot be a domain is an error with a code of its own") {
     CHECK(codeOf(build(input, options(5000))) == ErrorCode::EmptyDomain);
   }
   SECTION("a part without skin") {
-    // A bone shell around a ball of tissue
+    // A bone shell around most of the tissue
     DomainInput input = good;
-    auto shell = test::sphere({0, 0, 0}, 0.08, 4);
-    auto inner = test::sphere({0, 0, 0}, 0.07, 4);
+    auto shell = test::sphere({0, 0, 0}, 0.095, 4);
+    auto inner = test::sphere({0, 0, 0}, 0.09, 4);
     inner.F.col(1).swap(inner.F.col(2));
     input.bones = {mesh::joined({shell, inner}, "shell")};
     CHECK(codeOf(build(input, options(5000))) == ErrorCode::ComponentWithoutSkin);

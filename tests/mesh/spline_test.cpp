@@ -34,7 +34,8 @@ TEST_CASE("arc length of a straight line is its chord, of a fine circle its angl
 
 TEST_CASE("the nearest point of a curve leaves at a right angle and is nearer than any other") {
   const Spline s({{0, 0, 0}, {1, 0.5, 0}, {1.2, 2, 1}, {3, 2, 0}});
-  for (const Vector3& x : {Vector3(0.5, 1, 0), Vector3(2, 2, 2), Vector3(-1, -1, 0), Vector3(4, 2, 1)}) {
+  for (const Vector3& x :
+       {Vector3(0.5, 1, 0), Vector3(2, 2, 2), Vector3(-1, -1, 0), Vector3(4, 2, 1)}) {
     const double u = s.nearest(x);
     for (double other = 0.0; other <= 3.0; other += 0.01) {
       CHECK((s.at(u) - x).norm() <= (s.at(other) - x).norm() + 1e-12);

@@ -1,4 +1,3 @@
-#include <ecorche/core/parallel.h>
 #include <ecorche/domain/build_domain.h>
 #include <ecorche/domain/carve.h>
 #include <ecorche/domain/deviation.h>
@@ -6,14 +5,9 @@
 #include <ecorche/domain/fill_with_tets.h>
 #include <ecorche/domain/finish_domain.h>
 #include <ecorche/domain/interior_points.h>
+#include <ecorche/domain/prepare_meshes.h>
 #include <ecorche/domain/sizing_field.h>
 #include <ecorche/domain/wall_resampling.h>
-#include <ecorche/mesh/outer_hull.h>
-#include <ecorche/mesh/self_intersection.h>
-#include <ecorche/mesh/surface_check.h>
-#include <ecorche/mesh/surface_query.h>
-#include <ecorche/mesh/surface_repair.h>
-#include <ecorche/mesh/uncross.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -26,119 +20,11 @@ namespace {
 
 using mesh::Vector3;
 
-constexpr std::int64_t kDefaultTets = 200000;
 constexpr double kWrapShare = 0.5;  // of the tolerance, for wraps; resampling needs the rest
 // Of the diagonal of the uncut skin, before lengths are scaled to the budget
 constexpr double kCoarsest = 0.02;
 constexpr double kFinest = 0.0002;
 constexpr double kFinestGap = 0.0008;
-
-struct Prepared {
-  CarveInput carve;
-  Findings findings;
-  std::int64_t bones = 0;
-};
-
-bool beyondAPlane(const mesh::SurfaceMesh& mesh, const std::vector<CutPlane>& planes) {
-  return std::ranges::any_of(planes, [&](const CutPlane& plane) {
-    for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
-      if (plane.normal.dot(mesh.V.row(v).transpose() - plane.point) > 0.0) return false;
-    }
-    return true;
-  });
-}
-
-/// A closed surface that cuts itself is taken for what it encloses, exactly where that works;
-/// otherwise its crossings are smoothed away where that moves nothing further than allowed. What
-/// was done, or could not be, is told.
-/// @return  whether it is fit for exact subtraction now
-bool mendCrossings(mesh::RepairedSurface& surface, double allowed, RunContext& run) {
-  mesh::SurfaceMesh& mesh = surface.mesh;
-  if (!mesh::checkSurface(mesh).isSound()) return false;
-  const auto crossings = mesh::selfIntersections(mesh.V, mesh.F);
-  if (crossings.empty()) return true;
-  const auto tell = [&](Severity severity, const std::string& done) {
-    surface.findings.push_back(
-        {.severity = severity,
-         .kind = "self-intersections",
-         .object = mesh.name,
-         .message = fmt::format("\"{}\" cuts itself in {} pairs of faces; {}", mesh.name,
-                                crossings.size(), done),
-         .point = mesh.V.row(mesh.F(crossings.front().first, 0)).transpose(),
-         .size = static_cast<double>(crossings.size())});
-  };
-  if (auto hull = mesh::outerHull(mesh)) {
-    tell(Severity::Repaired,
-         fmt::format("what it encloses was kept, {:.4g} cm³ of {:.4g} cm³ counted with folds",
-                     mesh::signedVolume(hull->V, hull->F) * 1e6,
-                     mesh::signedVolume(mesh.V, mesh.F) * 1e6));
-    mesh = std::move(*hull);
-    return true;
-  }
-  if (auto smooth = mesh::uncross(mesh)) {
-    const auto apart = mesh::surfaceDeviation(mesh, *smooth, allowed, run);
-    if (apart && apart->max() <= allowed) {
-      tell(Severity::Repaired,
-           fmt::format("smoothed there by up to {:.2g} mm", apart->max() * 1e3));
-      mesh = std::move(*smooth);
-      return true;
-    }
-  }
-  tell(Severity::Warning, "nothing certain could be done about it");
-  return false;
-}
-
-// Steps 1 and 2: check, repair what is certain
-Result<Prepared> prepare(const DomainInput& input, double toleranceRel, RunContext& run) {
-  const Stage stage(run, "domain: check and repair");
-  Prepared out;
-  auto skin = mesh::repairSurface(input.skin, {.mustClose = true}, run);
-  if (!skin) return passOn(skin);
-  const double allowed = kWrapShare * toleranceRel * mesh::boundingBox(skin->mesh).diagonal();
-  // A skin that cannot be mended may still do where the crossing is cut off or resampled away
-  mendCrossings(*skin, allowed, run);
-  out.findings = std::move(skin->findings);
-  out.carve.skin = std::move(skin->mesh);
-  out.carve.cutPlanes = input.cutPlanes;
-  for (CutPlane& plane : out.carve.cutPlanes) plane.normal.normalize();
-
-  struct Wanted {
-    const mesh::SurfaceMesh* mesh;
-    BoundaryTag tag;
-  };
-  std::vector<Wanted> wanted;
-  const auto add = [&](const std::vector<mesh::SurfaceMesh>& list, BoundaryTag::Kind kind) {
-    for (std::size_t i = 0; i < list.size(); ++i)
-      wanted.push_back({&list[i], {kind, static_cast<std::int32_t>(i)}});
-  };
-  add(input.bones, BoundaryTag::Kind::Bone);
-  add(input.obstacles, BoundaryTag::Kind::Obstacle);
-  add(input.cavities, BoundaryTag::Kind::Cavity);
-  std::vector<Result<mesh::RepairedSurface>> repaired(wanted.size());
-  std::vector<std::uint8_t> fit(wanted.size(), 0);
-  parallelFor(
-      static_cast<std::int64_t>(wanted.size()),
-      [&](std::int64_t i) {
-        const auto k = static_cast<std::size_t>(i);
-        if (beyondAPlane(*wanted[k].mesh, input.cutPlanes)) {
-          repaired[k] = mesh::RepairedSurface{*wanted[k].mesh, {}};
-          return;
-        }
-        repaired[k] = mesh::repairSurface(*wanted[k].mesh, {}, run);
-        if (!repaired[k]) return;
-        fit[k] = mendCrossings(*repaired[k], allowed, run);
-      },
-      1);
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    if (!repaired[k]) return passOn(repaired[k]);
-    out.findings.insert(out.findings.end(), repaired[k]->findings.begin(),
-                        repaired[k]->findings.end());
-    out.carve.holes.push_back(
-        {wanted[k].mesh->name, std::move(repaired[k]->mesh), wanted[k].tag, fit[k] != 0});
-    out.bones += wanted[k].tag.kind == BoundaryTag::Kind::Bone;
-  }
-  return out;
-}
 
 /// As many tets as a lattice of this mean edge has in the volume.
 double tetsOfEdge(double edge, const TaggedSurface& walls) {
@@ -224,7 +110,7 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   }
 
   // 1, 2. Check and repair
-  auto prepared = prepare(input, options.surfaceToleranceRel, run);
+  auto prepared = prepareMeshes(input, kWrapShare * options.surfaceToleranceRel, run);
   if (!prepared) return passOn(prepared);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped while repairing meshes");
   const double diagonal = mesh::boundingBox(prepared->carve.skin).diagonal();
@@ -288,8 +174,29 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   const TaggedSurface& filled = tets->ofWalls ? walls : carved->surface;
 
   // 7. Verify
-  auto domain = finishDomain(std::move(tets->tets), filled, std::move(frame), out.report, run);
+  DomainReport verified = out.report;
+  auto domain = finishDomain(std::move(tets->tets), filled, frame, verified, run);
+  if (!domain && domain.error().code == ErrorCode::MeshingFailed && tets->ofWalls) {
+    // Pieces smaller than the tolerance may have been resampled to nothing; before that they are
+    // sound
+    verified = out.report;
+    verified.findings.push_back(
+        {.severity = Severity::Warning,
+         .kind = "full-density",
+         .object = input.skin.name,
+         .message = fmt::format("resampled walls made no sound domain ({}), so it was made from "
+                                "walls at their full density",
+                                domain.error().message)});
+    const mesh::Positions inner = interiorPoints(carved->surface, *sizing, scale);
+    const FillTask dense{carved->surface,      inner,   carved->surface, prepared->carve.cutPlanes,
+                         frame.boneNames,      *sizing, scale,           tolerance,
+                         options.workerTimeout};
+    auto again = fillWithTets(dense, run);
+    if (!again) return passOn(again);
+    domain = finishDomain(std::move(again->tets), carved->surface, frame, verified, run);
+  }
   if (!domain) return passOn(domain);
+  out.report = std::move(verified);
   out.domain = std::move(*domain);
   out.report.deviations = measureDeviations(out.domain, *carved, prepared->carve, tolerance, run);
   for (const SurfaceDeviation& d : out.report.deviations) {

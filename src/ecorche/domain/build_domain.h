@@ -22,8 +22,10 @@ struct DomainInput {
   std::vector<WantedLength> lengths;  ///< where tets should be small
 };
 
+inline constexpr std::int64_t kDefaultTets = 200000;
+
 struct DomainOptions {
-  /// How many tets to aim at. Unset: as edgeLength says; both unset: 200 000.
+  /// How many tets to aim at. Unset: as edgeLength says; both unset: kDefaultTets.
   std::optional<std::int64_t> tets;
   /// Mean edge length where nothing asks for a finer one [m]. Used where `tets` is unset.
   std::optional<double> edgeLength;

@@ -4,8 +4,10 @@
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <ecorche/domain/carve.h>
+#include <ecorche/domain/pockets.h>
 #include <ecorche/domain/wrap.h>
 #include <ecorche/mesh/cgal_surface.h>
+#include <ecorche/mesh/surface_check.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -246,6 +248,7 @@ class Carver {
     }
     // Corefinement numbers new vertices by what lies where in memory
     out_.surface = ordered(fromCgal(skin_));
+    leavePocketsOut();
     std::ranges::sort(out_.wrapped);
     const auto repeated = std::ranges::unique(out_.wrapped);
     out_.wrapped.erase(repeated.begin(), repeated.end());
@@ -257,6 +260,26 @@ class Carver {
             std::optional<mesh::Vector3> point = {}, double size = 0.0) {
     out_.findings.push_back(
         {severity, std::move(kind), std::move(object), std::move(message), point, size});
+  }
+
+  /// Marrow, and what bones close in: no fat could reach it.
+  void leavePocketsOut() {
+    for (const Pocket& pocket : dropPockets(out_.surface)) {
+      std::string names;
+      std::string first;
+      for (const std::int32_t tag : pocket.tags) {
+        const auto hole =
+            std::ranges::find_if(input_.holes, [&](const Hole& h) { return packed(h.tag) == tag; });
+        if (hole == input_.holes.end()) continue;
+        names += (names.empty() ? "" : ", ") + hole->name;
+        if (first.empty()) first = hole->name;
+      }
+      note(Severity::Warning, "closed-pocket", first,
+           fmt::format("{} cm³ closed in by {} touch no skin and were left out; a tissue in there "
+                       "would need a way out to the skin",
+                       fmt::format("{:.3g}", pocket.volume * 1e6), names),
+           pocket.place, pocket.volume);
+    }
   }
 
   /// Leaves out what lies beyond a cut plane or outside the skin, and measures what pokes out.
@@ -287,6 +310,15 @@ class Carver {
           CGAL::do_overlap(item.box, skinBox) && PMP::do_intersect(*item.mesh, skin_);
       const auto first = item.mesh->point(*item.mesh->vertices().begin());
       if (!crosses && insideSkin(first) == CGAL::ON_UNBOUNDED_SIDE) {
+        // Around the skin is not outside it
+        const auto skinPoint = skin_.point(*skin_.vertices().begin());
+        if (Inside(*item.mesh)(skinPoint) == CGAL::ON_BOUNDED_SIDE) {
+          return fail(ErrorCode::EmptyDomain,
+                      fmt::format("\"{}\" encloses the whole skin, so nothing is left of it; check "
+                                  "the units and the frame of both",
+                                  hole.name),
+                      {.object = hole.name, .point = anyPoint(*item.mesh)});
+        }
         outsideCount += bone;
         out_.leftOut.push_back(hole.name);
         note(Severity::Warning, "outside-skin", hole.name,
@@ -298,12 +330,17 @@ class Carver {
       items_.push_back(std::move(item));
     }
     if (boneCount > 0 && outsideCount == boneCount) {
+      const bool hollow = std::ranges::any_of(mesh::checkSurface(input_.skin).components,
+                                              &mesh::SurfaceCheck::Component::inward);
       return fail(
           ErrorCode::BonesOutsideSkin,
-          fmt::format("{} outside the skin; check the units and the frame of skin and bones",
+          fmt::format("{} outside the skin; {}",
                       boneCount == 1
                           ? fmt::format("the only bone, \"{}\", lies", out_.leftOut.back())
-                          : fmt::format("all {} bones lie", boneCount)),
+                          : fmt::format("all {} bones lie", boneCount),
+                      hollow ? "it is hollow, an inner layer faces inward: ask for \"repair\": "
+                               "\"outer-hull\" at the skin"
+                             : "check the units and the frame of skin and bones"),
           {.object = input_.skin.name, .point = out_.findings.back().point});
     }
     return {};

@@ -15,10 +15,12 @@ struct Hole {
   mesh::SurfaceMesh mesh;  ///< facing outward where it is closed
   BoundaryTag tag;
   bool fit = true;  ///< closed, oriented, free of self-intersections; otherwise it is wrapped first
+  double moved = 0.0;  ///< how far thinning took it from what was given [m]
 };
 
 struct CarveInput {
   mesh::SurfaceMesh skin;  ///< closed, facing outward, free of self-intersections
+  double skinMoved = 0.0;  ///< as Hole::moved
   std::vector<Hole> holes;
   std::vector<CutPlane> cutPlanes;
 };

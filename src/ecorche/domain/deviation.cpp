@@ -102,17 +102,19 @@ std::vector<SurfaceDeviation> measureDeviations(const Domain& domain, const Carv
 
   std::vector<SurfaceDeviation> out;
   const auto look = [&](BoundaryTag tag, const std::string& name, const mesh::SurfaceMesh& original,
-                        const OneWay& fromInput) {
+                        double moved, const OneWay& fromInput) {
     const TriangleTree toInput(original.V, original.F);
     const OneWay back =
         distances(domain.mesh.V, domain.boundaryF, domainFaces[tag], toInput, spacing);
-    out.push_back({name, fromInput.max, fromInput.mean, back.max, back.mean});
+    // What the mesh was moved before it came here counts on top
+    out.push_back(
+        {name, fromInput.max + moved, fromInput.mean + moved, back.max + moved, back.mean + moved});
   };
   const auto exact = [&](BoundaryTag tag) {
     return distances(carved.surface.V, carved.surface.F, carvedFaces[tag], toDomain, spacing);
   };
   const BoundaryTag skin{BoundaryTag::Kind::Skin, 0};
-  look(skin, input.skin.name, input.skin, exact(skin));
+  look(skin, input.skin.name, input.skin, input.skinMoved, exact(skin));
 
   std::optional<TriangleTree> holes;
   std::optional<TriangleTree> walls;
@@ -120,7 +122,7 @@ std::vector<SurfaceDeviation> measureDeviations(const Domain& domain, const Carv
     const Hole& hole = input.holes[h];
     if (!domainFaces.contains(hole.tag)) continue;
     if (!std::ranges::binary_search(carved.wrapped, h)) {
-      look(hole.tag, hole.name, hole.mesh, exact(hole.tag));
+      look(hole.tag, hole.name, hole.mesh, hole.moved, exact(hole.tag));
       continue;
     }
     if (!holes) {
@@ -131,7 +133,7 @@ std::vector<SurfaceDeviation> measureDeviations(const Domain& domain, const Carv
       walls.emplace(carved.surface.V, carved.surface.F);
     }
     const auto open = openFaces(hole, input, *holes, *walls, 0.5 * tolerance);
-    look(hole.tag, hole.name, hole.mesh,
+    look(hole.tag, hole.name, hole.mesh, hole.moved,
          distances(hole.mesh.V, hole.mesh.F, open, toDomain, spacing));
   }
   return out;

@@ -13,7 +13,7 @@ struct Hole;
 ///
 /// Gaps and dents narrower than about `tolerance` are bridged; elsewhere the wrap lies a third of
 /// it outside. Each face takes the tag of the hole that is closest to its centroid.
-/// @errors  MeshNotRepairable where there is nothing to wrap, Cancelled
+/// @errors  MeshWithoutFaces where there is nothing to wrap, Cancelled
 [[nodiscard]] Result<TaggedSurface> wrap(const std::vector<const Hole*>& holes, double tolerance,
                                          RunContext& run);
 

@@ -1,8 +1,10 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/exchange/check_parts.h>
 #include <ecorche/mesh/read_mesh.h>
+#include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_topology.h>
+#include <ecorche/mesh/weld.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -30,7 +32,44 @@ struct Original {
   mesh::SurfaceQuery query;
   mesh::Box box;
   bool closed = false;
+  std::vector<std::uint8_t> border;  // by face, of an open one: bit k where its side k is a border
+  std::vector<std::uint8_t> hollow;  // by face, of a closed one: wall of a hollow within it
+
+  // Over a hole the domain has a cap, and what is nearest to it is the border.
+  [[nodiscard]] bool isOverHole(const mesh::SurfaceQuery::Closest& nearest) const {
+    if (closed || nearest.face < 0) return false;
+    const std::uint8_t sides = border[static_cast<std::size_t>(nearest.face)];
+    for (int k = 0; k < 3; ++k) {
+      if ((sides >> k & 1) == 0) continue;
+      const Vector3 a = mesh.V.row(mesh.F(nearest.face, k)).transpose();
+      const Vector3 b = mesh.V.row(mesh.F(nearest.face, (k + 1) % 3)).transpose();
+      const double s = std::clamp((nearest.point - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      if ((a + s * (b - a) - nearest.point).norm() < 1e-9 * box.diagonal()) return true;
+    }
+    return false;
+  }
 };
+
+// Marrow and the like: no domain is in there, so nothing can be near these walls.
+std::vector<std::uint8_t> hollowFaces(const mesh::SurfaceMesh& mesh) {
+  const mesh::FaceComponents pieces = mesh::components(mesh.F);
+  const auto check = mesh::checkSurface(mesh).components;
+  std::vector<std::uint8_t> out(pieces.label.size(), 0);
+  for (std::size_t f = 0; f < out.size(); ++f)
+    out[f] = check[static_cast<std::size_t>(pieces.label[f])].inward && check.size() > 1;
+  return out;
+}
+
+std::vector<std::uint8_t> borderSides(const mesh::Triangles& F) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(F.rows()), 0);
+  const mesh::SurfaceEdges edges = mesh::surfaceEdges(F);
+  for (std::size_t e = 0; e < edges.count(); ++e) {
+    if (edges.faceCount(e) != 1) continue;
+    const std::int32_t slot = edges.slot[static_cast<std::size_t>(edges.first[e])];
+    out[static_cast<std::size_t>(slot / 3)] |= static_cast<std::uint8_t>(1 << slot % 3);
+  }
+  return out;
+}
 
 // Points of a face no farther apart than `spacing`, without its corners.
 void sampleFace(const Vector3& a, const Vector3& b, const Vector3& c, double spacing,
@@ -81,8 +120,13 @@ class Deviation {
       if (!mesh) return passOn(mesh);
       mesh::SurfaceQuery query(*mesh);
       const mesh::Box box = mesh::boundingBox(*mesh);
-      const bool closed = mesh::isClosed(mesh->F);
-      originals_.push_back({s.name, s.kind, std::move(*mesh), std::move(query), box, closed});
+      const mesh::Triangles welded = mesh::weldExact(*mesh).F;
+      const bool closed = mesh::isClosed(welded);
+      auto border = closed ? std::vector<std::uint8_t>() : borderSides(welded);
+      auto hollow = closed && s.kind == "bone" ? hollowFaces({.V = mesh->V, .F = welded})
+                                               : std::vector<std::uint8_t>();
+      originals_.push_back({s.name, s.kind, std::move(*mesh), std::move(query), box, closed,
+                            std::move(border), std::move(hollow)});
     }
     return {};
   }
@@ -154,10 +198,12 @@ class Deviation {
     return far;
   }
 
-  std::vector<Sample> samplesOf(const mesh::SurfaceMesh& mesh) const {
+  std::vector<Sample> samplesOf(const mesh::SurfaceMesh& mesh,
+                                const std::vector<std::uint8_t>& leaveOut = {}) const {
     std::vector<Sample> samples;
     std::vector<std::uint8_t> seen(static_cast<std::size_t>(mesh.V.rows()), 0);
     for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+      if (!leaveOut.empty() && leaveOut[static_cast<std::size_t>(f)] != 0) continue;
       const Vector3 a = mesh.V.row(mesh.F(f, 0)).transpose();
       const Vector3 b = mesh.V.row(mesh.F(f, 1)).transpose();
       const Vector3 c = mesh.V.row(mesh.F(f, 2)).transpose();
@@ -176,17 +222,21 @@ class Deviation {
   Farthest toOriginals(const mesh::SurfaceMesh& written, const std::string& kind) const {
     return farthestOf(samplesOf(written), kind, [&](const Sample& s) {
       double nearest = std::numeric_limits<double>::infinity();
+      bool overHole = false;
       for (const Original& o : originals_) {
         // Without marks any original will do, and planes as well
         if (files_.medit && o.kind != kind) continue;
         if (boxDistance(o.box, s.point) >= nearest) continue;
-        nearest = std::min(nearest, o.query.distance(s.point));
+        const auto closest = o.query.closest(s.point);
+        if (closest.distance >= nearest) continue;
+        nearest = closest.distance;
+        overHole = o.isOverHole(closest);
       }
       if (!files_.medit) {
         for (const PlaneRecord& p : files_.record.planes)
           nearest = std::min(nearest, std::abs((s.point - p.point).dot(p.normal)));
       }
-      return nearest;
+      return overHole ? -1.0 : nearest;
     });
   }
 
@@ -195,7 +245,7 @@ class Deviation {
     Farthest worst;
     for (const Original& o : originals_) {
       if (o.kind != kind) continue;
-      const Farthest far = farthestOf(samplesOf(o.mesh), o.name, [&](const Sample& s) {
+      const Farthest far = farthestOf(samplesOf(o.mesh, o.hollow), o.name, [&](const Sample& s) {
         const double distance = domain.distance(s.point);
         // Whether the domain could have reached a point costs much: it is asked where it may decide
         if (distance <= 0.5 * limit_) return distance;
