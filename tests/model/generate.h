@@ -35,7 +35,13 @@ inline Unit anyUnit() {
   return *rc::gen::element(Unit::Metre, Unit::Decimetre, Unit::Centimetre, Unit::Millimetre,
                            Unit::Inch);
 }
-inline MeshRef anyMesh() { return {anyName(), anyName(), maybe<Unit>(anyUnit)}; }
+inline MeshRef anyPatch() { return {anyName(), anyName(), maybe<Unit>(anyUnit)}; }
+inline MeshRef anyMesh() {
+  MeshRef out = anyPatch();
+  out.repair = *rc::gen::element(mesh::Mending::None, mesh::Mending::FillHoles,
+                                 mesh::Mending::OuterHull, mesh::Mending::Wrap);
+  return out;
+}
 inline Colour anyColour() {
   return {*rc::gen::arbitrary<std::uint8_t>(), *rc::gen::arbitrary<std::uint8_t>(),
           *rc::gen::arbitrary<std::uint8_t>()};
@@ -66,6 +72,7 @@ EC_ANY(SetProjectName, anyName())
 EC_ANY(SetProjectUnit, anyUnit())
 EC_ANY(SetSkin, anyMesh())
 EC_ANY(AddBone, {anyName(), anyMesh()})
+EC_ANY(SetBoneMesh, anyName(), anyMesh())
 EC_ANY(RemoveBone, anyName())
 EC_ANY(RenameBone, anyName(), anyName())
 EC_ANY(AddPlane, {anyName(), *rc::gen::element(CutPlane::Kind::Symmetry, CutPlane::Kind::Region),
@@ -83,6 +90,7 @@ EC_ANY(AddMuscle, anyName())
 EC_ANY(AddFiller, anyName())
 EC_ANY(AddObstacle, anyName(), anyMesh())
 EC_ANY(AddCavity, anyName(), anyMesh())
+EC_ANY(SetTissueMesh, anyName(), anyMesh())
 EC_ANY(RemoveTissue, anyName())
 EC_ANY(RenameTissue, anyName(), anyName())
 EC_ANY(SetColour, anyName(), maybe<Colour>(anyColour))
@@ -106,7 +114,7 @@ EC_ANY(SetPointValue, anyName(), anyIndex(), anyIndex(), anyDouble())
 EC_ANY(AddAttachment, anyName(),
        {*rc::gen::element(Attachment::Role::Unknown, Attachment::Role::Origin,
                           Attachment::Role::Insertion),
-        anySupport(), maybe<Vector3>(anyVector), maybe<MeshRef>(anyMesh)})
+        anySupport(), maybe<Vector3>(anyVector), maybe<MeshRef>(anyPatch)})
 EC_ANY(RemoveAttachment, anyName(), anyIndex())
 #undef EC_ANY
 

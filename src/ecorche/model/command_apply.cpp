@@ -22,6 +22,11 @@ class Editor {
   Done act(const SetSkin& c) { return set(p_.skin, c.mesh); }
 
   Done act(const AddBone& c) { return append(p_.bones, c.bone); }
+  Done act(const SetBoneMesh& c) {
+    const auto place = findBone(p_, c.bone);
+    if (!place) return unknown("bone", c.bone);
+    return set(p_.bones[*place].mesh, c.mesh);
+  }
   Done act(const RemoveBone& c) { return removeNamed(p_.bones, c.bone, Support::On::Bone, "bone"); }
   Done act(const RenameBone& c) {
     return renameNamed(p_.bones, c.bone, c.name, Support::On::Bone, "bone");
@@ -78,6 +83,15 @@ class Editor {
   }
   Done act(const AddCavity& c) {
     return append(p_.tissues, {.name = c.name, .kind = Tissue::Kind::Cavity, .mesh = c.mesh});
+  }
+  Done act(const SetTissueMesh& c) {
+    return tissue(c.tissue).and_then([&](Tissue* t) -> Done {
+      if (t->mesh) return set(t->mesh, std::optional(c.mesh));
+      return fail(ErrorCode::UnknownName,
+                  fmt::format("\"{}\" is a {}; only obstacles and cavities are meshes", t->name,
+                              word(t->kind)),
+                  {.object = t->name});
+    });
   }
   Done act(const RemoveTissue& c) {
     return removeNamed(p_.tissues, c.tissue, Support::On::Tissue, "tissue");

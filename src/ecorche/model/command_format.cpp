@@ -78,6 +78,7 @@ class Formatter {
     add(quoted(mesh.file));
     key("part", mesh.part);
     if (mesh.unit) add("unit=" + std::string(symbol(*mesh.unit)));
+    if (mesh.repair != mesh::Mending::None) add("repair=" + std::string(mesh::name(mesh.repair)));
   }
   void key(const char* key, const std::string& text) {
     if (!text.empty()) add(std::string(key) + "=" + quoted(text));
@@ -138,7 +139,7 @@ class Usage {
   void choice(Side&) { add("left|right|median|none"); }
   void choice(Attachment::Role&) { add("origin|insertion|none"); }
   void points(std::vector<ControlPoint>&) { add("X,Y,Z X,Y,Z ... [tissue=VALUE[,VALUE...]]"); }
-  void mesh(MeshRef&) { add("FILE [part=PART] [unit=UNIT]"); }
+  void mesh(MeshRef&) { add("FILE [part=PART] [unit=UNIT] [repair=fill-holes|outer-hull|wrap]"); }
   void key(const char* key, std::string&) { addKey(key, "TEXT"); }
   void key(const char* key, double&) { addKey(key, "VALUE"); }
   void key(const char* key, Support&) { addKey(key, "bone:NAME|plane:NAME|tissue:NAME"); }

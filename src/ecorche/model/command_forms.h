@@ -30,6 +30,10 @@ EC_FORM(AddBone, "bone.add") {
   v.name("BONE", c.bone.name);
   v.mesh(c.bone.mesh);
 }
+EC_FORM(SetBoneMesh, "bone.set") {
+  v.name("BONE", c.bone);
+  v.mesh(c.mesh);
+}
 EC_FORM(RemoveBone, "bone.remove") { v.name("BONE", c.bone); }
 EC_FORM(RenameBone, "bone.rename") {
   v.name("BONE", c.bone);
@@ -61,6 +65,10 @@ EC_FORM(AddObstacle, "obstacle.add") {
 }
 EC_FORM(AddCavity, "cavity.add") {
   v.name("CAVITY", c.name);
+  v.mesh(c.mesh);
+}
+EC_FORM(SetTissueMesh, "obstacle.set") {
+  v.name("OBSTACLE", c.tissue);
   v.mesh(c.mesh);
 }
 EC_FORM(RemoveTissue, "muscle.remove") { v.name("TISSUE", c.tissue); }

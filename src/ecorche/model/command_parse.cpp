@@ -133,6 +133,11 @@ class Parser {
   void mesh(MeshRef& out) {
     name("FILE", out.file);
     meshKeys(out);
+    if (const Token* t = keyed("repair")) {
+      const auto how = mesh::mendingNamed(t->text);
+      if (!how) return wrong(*t, "none, fill-holes, outer-hull or wrap");
+      out.repair = *how;
+    }
   }
   void key(const char* key, std::string& out) {
     if (const Token* t = keyed(key)) out = t->text;

@@ -33,6 +33,12 @@ struct AddBone {
   Bone bone;
   bool operator==(const AddBone&) const = default;
 };
+/// Another mesh for it, or the same one otherwise read: unit, part, repair. What sits on it stays.
+struct SetBoneMesh {
+  std::string bone;
+  MeshRef mesh;
+  bool operator==(const SetBoneMesh&) const = default;
+};
 /// What sat on it becomes free.
 struct RemoveBone {
   std::string bone;
@@ -107,6 +113,12 @@ struct AddCavity {
   std::string name;
   MeshRef mesh;
   bool operator==(const AddCavity&) const = default;
+};
+/// Of an obstacle or a cavity.
+struct SetTissueMesh {
+  std::string tissue;
+  MeshRef mesh;
+  bool operator==(const SetTissueMesh&) const = default;
 };
 struct RemoveTissue {
   std::string tissue;
@@ -227,13 +239,14 @@ struct RemoveAttachment {
 /// Any of the above. Not the variant itself: calls of apply would find std::apply, too.
 struct Command {
   using Act =
-      std::variant<SetProjectName, SetProjectUnit, SetSkin, AddBone, RemoveBone, RenameBone,
-                   AddPlane, RemovePlane, RenamePlane, SetFat, SetFatColour, SetCoreRadius,
-                   SetAlpha, SetTets, SetEdgeLength, SetSurfaceTolerance, AddMuscle, AddFiller,
-                   AddObstacle, AddCavity, RemoveTissue, RenameTissue, SetColour, SetSide, SetGroup,
-                   SetLayer, SetTissueCore, SetAnisotropy, AddCurve, RemoveCurve, RenameCurve,
-                   MoveCurve, SetCurvePoints, SetCurveStart, SetCurveEnd, MovePoint, InsertPoint,
-                   RemovePoint, SetPointValue, AddAttachment, RemoveAttachment>;
+      std::variant<SetProjectName, SetProjectUnit, SetSkin, AddBone, SetBoneMesh, RemoveBone,
+                   RenameBone, AddPlane, RemovePlane, RenamePlane, SetFat, SetFatColour,
+                   SetCoreRadius, SetAlpha, SetTets, SetEdgeLength, SetSurfaceTolerance, AddMuscle,
+                   AddFiller, AddObstacle, AddCavity, SetTissueMesh, RemoveTissue, RenameTissue,
+                   SetColour, SetSide, SetGroup, SetLayer, SetTissueCore, SetAnisotropy, AddCurve,
+                   RemoveCurve, RenameCurve, MoveCurve, SetCurvePoints, SetCurveStart, SetCurveEnd,
+                   MovePoint, InsertPoint, RemovePoint, SetPointValue, AddAttachment,
+                   RemoveAttachment>;
   Act act;
 
   Command() = default;

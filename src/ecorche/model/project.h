@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/core/ids.h>
+#include <ecorche/mesh/mending.h>
 #include <ecorche/mesh/spline.h>
 #include <ecorche/mesh/types.h>
 #include <ecorche/model/units.h>
@@ -21,6 +22,7 @@ struct MeshRef {
   std::string file;          ///< as written, '/' between folders, relative to Project::folder
   std::string part;          ///< one named part of the file; empty: all of it
   std::optional<Unit> unit;  ///< of the mesh's coordinates. Unset: Project::unit
+  mesh::Mending repair = mesh::Mending::None;  ///< asked for, before anything else; not of patches
   bool operator==(const MeshRef&) const = default;
 };
 

@@ -18,8 +18,8 @@ std::span<const ObjectKeys> projectKeys() {
       {"project",
        {"schema", "skin"},
        {"name", "unit", "bones", "cut_planes", "settings", "tissues"}},
-      {"skin", {"file"}, {"part", "unit"}},
-      {"bone", {"name", "file"}, {"part", "unit"}},
+      {"skin", {"file"}, {"part", "unit", "repair"}},
+      {"bone", {"name", "file"}, {"part", "unit", "repair"}},
       {"cut_plane", {"name", "point", "normal"}, {"kind"}},
       {"settings", {}, {"fat", "core_radius", "alpha", "tets", "edge_length", "surface_tolerance"}},
       {"curve_tissue",
@@ -27,7 +27,7 @@ std::span<const ObjectKeys> projectKeys() {
        {"side", "group", "layer", "color", "core_radius", "anisotropy", "curves", "attachments"}},
       {"mesh_tissue",
        {"name", "kind", "file"},
-       {"part", "unit", "side", "group", "layer", "color"}},
+       {"part", "unit", "repair", "side", "group", "layer", "color"}},
       {"fat_tissue", {"name", "kind"}, {"color"}},
       {"anisotropy", {}, {"lambda2", "lambda3", "rotation"}},
       {"curve", {"points"}, {"name", "start", "end"}},
@@ -190,9 +190,20 @@ class Reader {
     return Unit::Metre;
   }
 
+  mesh::Mending repairOf(const Json& json) {
+    if (!is(json, Json::Kind::String, "repair")) return mesh::Mending::None;
+    if (const auto known = mesh::mendingNamed(json.text)) return *known;
+    give(ErrorCode::ValueOutOfRange,
+         fmt::format("\"repair\" is \"{}\"; it must be none, fill-holes, outer-hull or wrap",
+                     json.text),
+         json.spot);
+    return mesh::Mending::None;
+  }
+
   MeshRef mesh(const Json& json) {
     MeshRef out{text(json, "file"), text(json, "part"), std::nullopt};
     if (const Json* unit = json.find("unit")) out.unit = unitOf(*unit);
+    if (const Json* repair = json.find("repair")) out.repair = repairOf(*repair);
     return out;
   }
 

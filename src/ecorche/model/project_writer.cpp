@@ -53,6 +53,7 @@ class Writer {
     out.add("file", Json::string(mesh.file));
     addText(out, "part", mesh.part);
     if (mesh.unit) addText(out, "unit", symbol(*mesh.unit));
+    if (mesh.repair != mesh::Mending::None) addText(out, "repair", mesh::name(mesh.repair));
     return out;
   }
 
