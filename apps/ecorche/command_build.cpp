@@ -38,6 +38,9 @@ Result<void> runBuild(const BuildArguments& args, Session& session) {
     if (!tets) return passOn(tets);
     options.tets = *tets;
   }
+  options.onEstimate = [&](const engine::Estimate& estimate) {
+    if (!session.globals.quiet) fmt::print(stderr, "estimate: {}\n", estimate.text());
+  };
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
   // Minutes of work should not end at a folder that cannot be written

@@ -1,11 +1,12 @@
+#include <ecorche/engine/import_check.h>
 #include <ecorche/engine/inputs.h>
 #include <ecorche/exchange/check_anatomy.h>
 #include <ecorche/exchange/report.h>
 #include <ecorche/mesh/read_mesh.h>
-#include <ecorche/mesh/surface_check.h>
 #include <ecorche/model/project_file.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -34,60 +35,110 @@ Result<void> checkFolder(const std::string& folder, Session& session) {
   return {};
 }
 
-// What a surface is worth as an input: findings as a table or as JSON
-void printFindings(const std::vector<std::pair<std::string, Findings>>& meshes, bool json) {
-  if (json) {
-    Json out = Json::array();
-    for (const auto& [name, findings] : meshes) {
-      Json entry = {{"mesh", name}, {"findings", Json::array()}};
-      for (const Finding& f : findings) {
-        Json item = {
-            {"severity", ecorche::name(f.severity)}, {"kind", f.kind}, {"message", f.message}};
-        if (f.size != 0.0) item["size"] = f.size;
-        if (f.point) item["point_m"] = {f.point->x(), f.point->y(), f.point->z()};
-        entry["findings"].push_back(std::move(item));
-      }
-      out.push_back(std::move(entry));
-    }
-    fmt::print("{}\n", out.dump(2));
-    return;
-  }
-  Table table({{"mesh"}, {"severity"}, {"kind"}, {"where [m]"}, {"what"}});
-  std::size_t clean = 0;
-  for (const auto& [name, findings] : meshes) {
-    clean += findings.empty();
-    for (const Finding& f : findings) {
-      table.add({name, ecorche::name(f.severity), f.kind,
-                 f.point
-                     ? fmt::format("{:.3f} {:.3f} {:.3f}", f.point->x(), f.point->y(), f.point->z())
-                     : "-",
-                 f.message});
-    }
-  }
-  if (clean < meshes.size()) fmt::print("{}\n", table.text());
-  fmt::print("{} of {} meshes without findings\n", clean, meshes.size());
+Json toJson(const Finding& f) {
+  Json out = {{"severity", ecorche::name(f.severity)}, {"kind", f.kind}};
+  if (!f.object.empty()) out["object"] = f.object;
+  out["message"] = f.message;
+  if (f.size != 0.0) out["size"] = f.size;
+  if (f.point) out["point_m"] = {f.point->x(), f.point->y(), f.point->z()};
+  out["remedy"] = f.remedy;
+  return out;
 }
 
-constexpr mesh::SurfaceCheckOptions kAll{.selfIntersections = true};
+void printJson(const engine::ImportCheck& check) {
+  Json out = {{"meshes", Json::array()}, {"between", Json::array()}};
+  for (const engine::MeshLook& look : check.meshes) {
+    Json entry = {{"mesh", look.name},         {"role", engine::name(look.role)},
+                  {"vertices", look.vertices}, {"faces", look.faces},
+                  {"pieces", look.pieces},     {"closed", look.closed},
+                  {"size_m", look.size},       {"findings", Json::array()}};
+    if (look.closed) entry["volume_cm3"] = look.volume * 1e6;
+    for (const Finding& f : look.findings) entry["findings"].push_back(toJson(f));
+    out["meshes"].push_back(std::move(entry));
+  }
+  for (const Finding& f : check.between) out["between"].push_back(toJson(f));
+  for (const Severity s : {Severity::Error, Severity::Warning, Severity::Note}) {
+    out["counts"][ecorche::name(s)] = check.count(s);
+  }
+  fmt::print("{}\n", out.dump(2));
+}
 
-Result<void> checkMeshes(const std::string& file, Session& session) {
-  std::vector<std::pair<std::string, Findings>> out;
+/// A sentence for each finding, and below it what is done: tables of sentences fit no terminal.
+void printLines(const engine::ImportCheck& check) {
+  Table table({{"mesh"},
+               {"role"},
+               {"faces", Table::Align::Right},
+               {"pieces", Table::Align::Right},
+               {"closed"},
+               {"size [m]", Table::Align::Right},
+               {"volume [cm³]", Table::Align::Right},
+               {"errors", Table::Align::Right},
+               {"warnings", Table::Align::Right},
+               {"notes", Table::Align::Right}});
+  std::int64_t clean = 0;
+  for (const engine::MeshLook& look : check.meshes) {
+    clean += look.findings.empty();
+    const auto count = [&](Severity s) {
+      const auto n = std::ranges::count(look.findings, s, &Finding::severity);
+      return n > 0 ? std::to_string(n) : std::string("-");
+    };
+    table.add({look.name, engine::name(look.role), std::to_string(look.faces),
+               std::to_string(look.pieces), look.closed ? "yes" : "no",
+               fmt::format("{:.4g}", look.size),
+               look.closed ? fmt::format("{:.4g}", look.volume * 1e6) : "-", count(Severity::Error),
+               count(Severity::Warning), count(Severity::Note)});
+  }
+  fmt::print("{}\n", table.text());
+  const auto print = [](const std::string& who, const Finding& f) {
+    const std::string where = f.point ? fmt::format(" at {:.4g} {:.4g} {:.4g} m", f.point->x(),
+                                                    f.point->y(), f.point->z())
+                                      : "";
+    fmt::print("{}: {}{}{}: {}\n    {}\n", ecorche::name(f.severity), who.empty() ? "" : who + ": ",
+               f.kind, where, f.message, f.remedy);
+  };
+  for (const engine::MeshLook& look : check.meshes) {
+    for (const Finding& f : look.findings) print(look.name, f);
+  }
+  for (const Finding& f : check.between) print("", f);
+  fmt::print(
+      "{}{} errors, {} warnings, {} notes; {} of {} meshes without findings\n",
+      check.count(Severity::Error) + check.count(Severity::Warning) + check.count(Severity::Note) >
+              0
+          ? "\n"
+          : "",
+      check.count(Severity::Error), check.count(Severity::Warning), check.count(Severity::Note),
+      clean, check.meshes.size());
+}
+
+Result<engine::ImportCheck> lookAt(const std::string& file, Session& session) {
   if (std::filesystem::path(file).extension() == ".ecorche") {
     auto project = model::loadProject(file);
     if (!project) return passOn(project);
     auto meshes = engine::loadMeshes(*project, session.run);
     if (!meshes) return passOn(meshes);
-    out.emplace_back("skin", mesh::checkSurface(meshes->skin, kAll).findings);
-    for (const auto* list : {&meshes->bones, &meshes->obstacles, &meshes->cavities}) {
-      for (const auto& m : *list) out.emplace_back(m.name, mesh::checkSurface(m, kAll).findings);
-    }
-  } else {
-    auto mesh = mesh::readMesh(file, {}, session.run);
-    if (!mesh) return passOn(mesh);
-    out.emplace_back(std::filesystem::path(file).filename().string(),
-                     mesh::checkSurface(*mesh, kAll).findings);
+    auto check = engine::checkImport(*meshes, project->settings.surfaceTolerance, session.run);
+    // What was asked for has been done already
+    if (check)
+      check->between.insert(check->between.begin(), meshes->findings.begin(),
+                            meshes->findings.end());
+    return check;
   }
-  printFindings(out, session.globals.json);
+  auto mesh = mesh::readMesh(file, {}, session.run);
+  if (!mesh) return passOn(mesh);
+  mesh->name = std::filesystem::path(file).filename().string();
+  auto look = engine::lookAtMesh(*mesh, engine::MeshRole::Unknown, session.run);
+  if (!look) return passOn(look);
+  return engine::ImportCheck{.meshes = {std::move(*look)}, .between = {}};
+}
+
+Result<void> checkMeshes(const std::string& file, Session& session) {
+  const auto check = lookAt(file, session);
+  if (!check) return passOn(check);
+  if (session.globals.json) {
+    printJson(*check);
+  } else {
+    printLines(*check);
+  }
   return {};
 }
 
@@ -102,7 +153,9 @@ void addCheck(CLI::App& app, Commands& commands) {
       "Examples:\n"
       "  ecorche check out                  # every promise, from the written files alone; exit 1 "
       "if one fails\n"
-      "  ecorche check forearm.ecorche      # findings in skin and bones\n"
+      "  ecorche check forearm.ecorche      # every finding in skin and bones and between them, "
+      "with "
+      "place, size and what is done about it\n"
       "  ecorche check skin.stl --json");
   commands.push_back({sub, [target](Session& session) {
                         return std::filesystem::is_directory(*target)

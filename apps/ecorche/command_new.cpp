@@ -1,5 +1,6 @@
 #include <ecorche/authoring/muscle_choice.h>
 #include <ecorche/authoring/new_project.h>
+#include <ecorche/mesh/write_mesh.h>
 #include <ecorche/model/project_file.h>
 
 #include <fmt/format.h>
@@ -21,6 +22,8 @@ struct NewOptions {
   std::string symmetry = "auto";
   std::string unit = "m";
   bool whole = false;
+  std::string repairSkin = "none";
+  std::optional<double> offset;
   bool force = false;
 };
 
@@ -99,10 +102,21 @@ Result<void> makeProject(const NewOptions& options, const ParsedSymmetry& symmet
   request.symmetry = symmetry;
   request.whole = options.whole;
   request.unit = *model::unitFrom(options.unit);
+  request.repairSkin = *mesh::mendingNamed(options.repairSkin);
+  if (options.offset) request.skinOffset = *options.offset * model::metresPer(request.unit);
   const auto made = newProject(request, session.run);
   if (!made) return passOn(made);
   if (session.run.cancelled())
     return fail(ErrorCode::Cancelled, "interrupted; nothing was written");
+  if (made->madeSkin) {
+    if (!options.force && std::filesystem::exists(made->skinFile)) {
+      return fail(ErrorCode::FileNotWritable,
+                  "the skin made for the bones goes here, but this file exists already; choose "
+                  "another name for the project or add --force",
+                  {.file = made->skinFile.string()});
+    }
+    if (auto saved = mesh::writeObj(*made->madeSkin, made->skinFile); !saved) return saved;
+  }
   if (auto saved = model::saveProject(made->project, options.output); !saved) return saved;
   if (session.globals.json) {
     fmt::print("{}\n", toJson(*made, options.output).dump(2));
@@ -118,12 +132,23 @@ void addNew(CLI::App& app, Commands& commands) {
   CLI::App* const sub = app.add_subcommand(
       "new", "Make a project from a skin, bones and, if there is one, a table of attachments");
   const auto options = std::make_shared<NewOptions>();
-  sub->add_option("--skin", options->skin, "Closed skin mesh (obj, ply, stl, off, glb, fbx ...)")
-      ->required();
+  CLI::Option* const skin = sub->add_option(
+      "--skin", options->skin,
+      "Closed skin mesh (obj, ply, stl, off, glb, fbx ...); without one, a skin is laid around the "
+      "bones");
   sub->add_option("--skin-part", options->skinPart, "One named part of that file");
   sub->add_option("--bones", options->bones,
-                  "Bone meshes, or a folder of them; files with several parts give several bones")
-      ->required();
+                  "Bone meshes, or a folder of them; files with several parts give several bones");
+  sub->add_option("--offset", options->offset,
+                  "How far the skin laid around the bones lies from them, in --unit (default: 3 % "
+                  "of the bones' diagonal)")
+      ->check(CLI::PositiveNumber)
+      ->excludes(skin);
+  sub->add_option("--repair-skin", options->repairSkin,
+                  "What is done to a skin that is open, hollow or cuts itself: fill-holes, "
+                  "outer-hull or wrap")
+      ->check(CLI::IsMember({"none", "fill-holes", "outer-hull", "wrap"}))
+      ->capture_default_str();
   sub->add_option("--attachments", options->attachments,
                   "CSV with columns muscle, role, bone, x, y, z: gives each muscle a first curve");
   sub->add_option(
@@ -147,6 +172,9 @@ void addNew(CLI::App& app, Commands& commands) {
   sub->footer(
       "Meshes stay where they are; the project names them relative to itself.\n\nExamples:\n"
       "  ecorche new --skin skin.obj --bones bones/ -o horse.ecorche\n"
+      "  ecorche new --bones skeleton/ --unit mm --offset 20 -o fossil.ecorche\n"
+      "  ecorche new --skin head-ct.stl --repair-skin fill-holes --bones skull.stl -o "
+      "head.ecorche\n"
       "  ecorche new --skin body.glb --bones femur.stl tibia.stl --unit mm --symmetry none -o "
       "leg.ecorche\n"
       "  ecorche new --skin SKINbody.stl --bones bones --attachments sites.csv -o dog.ecorche\n"
@@ -154,6 +182,8 @@ void addNew(CLI::App& app, Commands& commands) {
       "sartorius,gracilis -o thighs.ecorche");
   // A plane that cannot be read is wrong usage, like any other malformed option
   sub->final_callback([options] {
+    if (options->skin.empty() && options->bones.empty())
+      throw CLI::ValidationError("--skin", "is missing, and so is --bones; give one or both");
     const auto unit = model::unitFrom(options->unit);
     if (unit && !symmetryFrom(options->symmetry, *unit)) {
       throw CLI::ValidationError("--symmetry",

@@ -5,8 +5,10 @@
 #include <ecorche/authoring/names.h>
 #include <ecorche/authoring/new_project.h>
 #include <ecorche/authoring/solid_bone.h>
+#include <ecorche/authoring/offset_skin.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/read_mesh.h>
+#include <ecorche/mesh/unit_check.h>
 #include <ecorche/model/project_check.h>
 
 #include <fmt/format.h>
@@ -32,7 +34,8 @@ Result<std::vector<fs::path>> boneFiles(const NewProjectRequest& request) {
     std::vector<fs::path> inFolder;
     for (const auto& entry : fs::directory_iterator(each, error)) {
       if (!entry.is_regular_file(error) || !mesh::isMeshFile(entry.path())) continue;
-      if (!fs::equivalent(entry.path(), request.skin, error)) inFolder.push_back(entry.path());
+      if (request.skin.empty() || !fs::equivalent(entry.path(), request.skin, error))
+        inFolder.push_back(entry.path());
     }
     if (error && inFolder.empty()) {
       return fail(ErrorCode::FileNotReadable, "this folder cannot be read",
@@ -89,7 +92,9 @@ Result<std::vector<NamedMesh>> readBones(const NewProjectRequest& request, const
 Result<mesh::SurfaceMesh> readSkin(const NewProjectRequest& request, RunContext& run) {
   const Stage stage(run, "reading skin");
   auto skin = mesh::readMesh(request.skin, {model::metresPer(request.unit)}, run);
-  if (!skin || request.skinPart.empty()) return skin;
+  if (!skin) return skin;
+  skin->name = "skin";
+  if (request.skinPart.empty()) return skin;
   for (std::size_t part = 0; part < skin->parts.size(); ++part) {
     if (skin->parts[part].name == request.skinPart) return mesh::partOf(*skin, part);
   }
@@ -101,8 +106,69 @@ Result<mesh::SurfaceMesh> readSkin(const NewProjectRequest& request, RunContext&
               {.file = request.skin.string()});
 }
 
-// Bones ten times the size of the skin, or nowhere near it, are in another unit or frame.
-void compareScales(const mesh::Box& skin, const std::vector<NamedMesh>& bones, Findings& findings) {
+// A skin as it was given and mended as it was asked to be, or one laid around the bones.
+Result<mesh::SurfaceMesh> findSkin(const NewProjectRequest& request,
+                                   const std::vector<NamedMesh>& bones, NewProject& out,
+                                   RunContext& run) {
+  if (!request.skin.empty()) {
+    out.project.skin = {model::pathFrom(out.project.folder, request.skin), request.skinPart, {}};
+    out.project.skin.repair = request.repairSkin;
+    const auto given = readSkin(request, run);
+    if (!given) return given;
+    auto mended = mesh::mendSurface(*given, request.repairSkin, run);
+    if (!mended) return passOn(mended);
+    out.findings.insert(out.findings.end(), mended->findings.begin(), mended->findings.end());
+    return std::move(mended->mesh);
+  }
+  if (bones.empty()) {
+    return fail(ErrorCode::MissingKey,
+                "there is neither a skin nor a bone; give --skin, --bones or both",
+                {.file = request.target.string()});
+  }
+  std::vector<mesh::SurfaceMesh> meshes;
+  mesh::Box box;
+  for (const NamedMesh& bone : bones) {
+    meshes.push_back(bone.mesh);
+    meshes.back().name = bone.bone.name;
+    box.add(mesh::boundingBox(bone.mesh));
+  }
+  const double distance = request.skinOffset.value_or(kSkinOffsetRel * box.diagonal());
+  auto skin = offsetSkin(meshes, distance, run);
+  if (!skin) return skin;
+  out.skinFile = request.target.parent_path() / (request.target.stem().string() + "-skin.obj");
+  out.project.skin = {model::pathFrom(out.project.folder, out.skinFile), "", {}};
+  if (request.unit != model::Unit::Metre) out.project.skin.unit = model::Unit::Metre;
+  out.madeSkin = *skin;
+  out.findings.push_back(
+      {.severity = Severity::Note,
+       .kind = "offset-skin",
+       .object = "skin",
+       .message = fmt::format("there was no skin: one was laid {:.3g} mm outside the bones, {} "
+                              "faces, in {}; sculpt it, or choose another distance with --offset",
+                              distance * 1e3, skin->F.rows(), out.skinFile.string()),
+       .size = distance});
+  return skin;
+}
+
+// Bones in another unit, or nowhere near the skin, are told before anything is made of them.
+void compareScales(const mesh::SurfaceMesh& skinMesh, const std::vector<NamedMesh>& bones,
+                   Findings& findings) {
+  const mesh::Box skin = mesh::boundingBox(skinMesh);
+  std::vector<mesh::SurfaceMesh> meshes;
+  for (const NamedMesh& bone : bones) {
+    meshes.push_back(bone.mesh);
+    meshes.back().name = bone.bone.name;
+  }
+  for (const mesh::UnitMismatch& mismatch : mesh::unitMismatches(skinMesh, meshes)) {
+    const auto& bone = meshes[mismatch.bone.value_or(0)];
+    findings.push_back({.severity = Severity::Warning,
+                        .kind = "units",
+                        .object = bone.name,
+                        .message = mismatch.message,
+                        .point = mesh::boundingBox(bone).centre(),
+                        .size = mismatch.factor});
+  }
+  if (!findings.empty() && findings.back().kind == "units") return;
   mesh::Box all;
   for (const NamedMesh& bone : bones) all.add(mesh::boundingBox(bone.mesh));
   if (bones.empty() || all.empty() || skin.empty()) return;
@@ -254,14 +320,12 @@ Result<NewProject> newProject(const NewProjectRequest& request, RunContext& run)
   out.project.folder = request.target.parent_path();
   out.project.name = request.target.stem().string();
   out.project.unit = request.unit;
-  out.project.skin = {model::pathFrom(out.project.folder, request.skin), request.skinPart, {}};
-
-  const auto skin = readSkin(request, run);
-  if (!skin) return passOn(skin);
   const auto bones = readBones(request, out.project.folder, run);
   if (!bones) return passOn(bones);
+  const auto skin = findSkin(request, *bones, out, run);
+  if (!skin) return passOn(skin);
   for (const NamedMesh& each : *bones) out.project.bones.push_back(each.bone);
-  compareScales(mesh::boundingBox(*skin), *bones, out.findings);
+  compareScales(*skin, *bones, out.findings);
 
   if (std::holds_alternative<FindSymmetry>(request.symmetry.choice)) {
     const auto found = findSymmetryPlane(*skin, {}, run);

@@ -1,3 +1,4 @@
+#include <ecorche/domain/interior_points.h>
 #include <ecorche/engine/build.h>
 #include <ecorche/engine/curve_room.h>
 #include <ecorche/engine/draft.h>
@@ -5,6 +6,7 @@
 #include <ecorche/tissue/solve_tissues.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace ecorche::engine {
 
@@ -40,6 +42,15 @@ Result<std::vector<domain::WantedLength>> wantedLengths(const model::Project& pr
   return input.lengths;
 }
 
+/// How many tets are asked for, one way or the other.
+std::int64_t tetsAskedFor(const domain::DomainOptions& how, const mesh::SurfaceMesh& skin) {
+  if (how.tets) return *how.tets;
+  if (!how.edgeLength) return domain::kDefaultTets;
+  const double volume = std::abs(mesh::signedVolume(skin.V, skin.F));
+  return static_cast<std::int64_t>(
+      std::min(1e9, volume / domain::latticeTetVolume(*how.edgeLength)));
+}
+
 }  // namespace
 
 Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
@@ -61,7 +72,20 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
   how.edgeLength = options.edgeLength ? options.edgeLength : project.settings.edgeLength;
   how.useCache = options.useCache;
   how.workerTimeout = options.mesherTimeout;
-  Findings findings;
+  const auto muscles = std::ssize(curveTissuePlaces(project));
+  std::int64_t faces = meshes.skin.F.rows();
+  for (const auto* list : {&meshes.bones, &meshes.obstacles, &meshes.cavities}) {
+    for (const auto& m : *list) faces += m.F.rows();
+  }
+  const Estimate estimate = estimateBuild(tetsAskedFor(how, meshes.skin), muscles, faces);
+  if (options.onEstimate) options.onEstimate(estimate);
+  if (auto enough = requireMemory(estimate, muscles, faces); !enough) return passOn(enough);
+  Findings findings = meshes.findings;
+  findings.push_back(
+      {.severity = Severity::Note,
+       .kind = "estimate",
+       .message = "before it began, the build was estimated to take " + estimate.text(),
+       .size = static_cast<double>(estimate.memoryBytes)});
   auto lengths = wantedLengths(project, input, how, findings, run);
   if (!lengths) return passOn(lengths);
   input.lengths = std::move(*lengths);

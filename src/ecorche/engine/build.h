@@ -3,6 +3,7 @@
 #include <ecorche/core/result.h>
 #include <ecorche/core/run_context.h>
 #include <ecorche/domain/build_domain.h>
+#include <ecorche/engine/estimate.h>
 #include <ecorche/engine/inputs.h>
 #include <ecorche/envelope/envelope.h>
 #include <ecorche/envelope/tissue_surface.h>
@@ -10,6 +11,7 @@
 #include <ecorche/model/project.h>
 #include <ecorche/tissue/tissue_fields.h>
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -22,6 +24,8 @@ struct BuildOptions {
   double mesherTimeout = 300.0;      ///< of each attempt to fill the domain with tets [s]
   bool useCache = true;              ///< look for the domain in the cache and leave it there
   bool exact = false;                ///< envelope with raw places, see EnvelopeOptions::exact
+  /// Told what the build will take, once meshes are read and before anything is made of them.
+  std::function<void(const Estimate&)> onEstimate;
 };
 
 /// Everything that comes of a project, in the order in which it was made.
@@ -39,7 +43,8 @@ struct Build {
 };
 
 /// The domain of a project whose meshes are read: curves turned into sizing, cache asked.
-/// @errors those of domain::buildDomain
+/// @errors those of domain::buildDomain; OutOfMemory (more than the machine has, before it is
+/// tried)
 [[nodiscard]] Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
                                                         const ProjectMeshes& meshes,
                                                         const BuildOptions& options,

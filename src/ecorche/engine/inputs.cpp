@@ -84,6 +84,7 @@ Result<ProjectMeshes> loadMeshes(const model::Project& project, RunContext& run)
       },
       1);
 
+  std::vector<mesh::SurfaceMesh> picked;
   for (const Wanted& w : wanted) {
     const auto& file = files[slot.at({meshPath(project, *w.ref), metresPerUnit(project, *w.ref)})];
     if (!file) {
@@ -96,10 +97,28 @@ Result<ProjectMeshes> loadMeshes(const model::Project& project, RunContext& run)
     }
     auto mesh = pick(*file, *w.ref, w.name);
     if (!mesh) return passOn(mesh);
-    if (w.list == nullptr) {
-      out.skin = std::move(*mesh);
+    picked.push_back(std::move(*mesh));
+  }
+
+  std::vector<Result<mesh::RepairedSurface>> mended(wanted.size());
+  parallelFor(
+      std::ssize(wanted),
+      [&](std::int64_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        if (wanted[k].ref->repair == mesh::Mending::None) {
+          mended[k] = mesh::RepairedSurface{std::move(picked[k]), {}};
+        } else {
+          mended[k] = mesh::mendSurface(picked[k], wanted[k].ref->repair, run);
+        }
+      },
+      1);
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    if (!mended[k]) return passOn(mended[k]);
+    out.findings.insert(out.findings.end(), mended[k]->findings.begin(), mended[k]->findings.end());
+    if (wanted[k].list == nullptr) {
+      out.skin = std::move(mended[k]->mesh);
     } else {
-      w.list->push_back(std::move(*mesh));
+      wanted[k].list->push_back(std::move(mended[k]->mesh));
     }
   }
   return out;

@@ -12,17 +12,19 @@
 
 namespace ecorche::engine {
 
-/// The meshes that a project names, as they stand in their files, in metres.
+/// The meshes that a project names, in metres: as they stand in their files, or mended where the
+/// project asks for it.
 struct ProjectMeshes {
   mesh::SurfaceMesh skin;
   std::vector<mesh::SurfaceMesh> bones;      ///< in project order, named as in the project
   std::vector<mesh::SurfaceMesh> obstacles;  ///< in project order
   std::vector<mesh::SurfaceMesh> cavities;   ///< in project order
+  Findings findings;                         ///< what mending did, and how far it moved surfaces
 };
 
 /// Reads every file once, in parallel, however many parts of it are used.
-/// @errors those of mesh::readMesh; UnknownName (a part that the file does not hold, with those it
-/// does)
+/// @errors those of mesh::readMesh and mesh::mendSurface; UnknownName (a part that the file does
+/// not hold, with those it does)
 [[nodiscard]] Result<ProjectMeshes> loadMeshes(const model::Project& project, RunContext& run);
 
 /// Muscles and fillers as the tissue room wants them: entry i has tissue id i + 2.
