@@ -168,7 +168,7 @@ std::vector<Row> togetherRows() {
         return out;
       },
       {"duplicate-faces", "duplicate-vertices", "hole", "inconsistent-orientation", "inward",
-       "pokes-out"},
+       "non-manifold", "pokes-out", "self-intersections"},
       5e-7);
   return rows;
 }

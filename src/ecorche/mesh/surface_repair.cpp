@@ -108,17 +108,18 @@ class Repair {
            "dropped {} small pieces, up to {:.3g} m across");
     if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
     if (faces_.F.rows() == 0) return {};
+    // Faces that shared no vertices before they were welded could not disagree
+    const std::int64_t turned = checkSurface({.V = faces_.V, .F = faces_.F}).inconsistentEdges;
     auto done = makeManifold(faces_, options_.holeRel, run_);
     if (!done) {
       Error error = done.error();
       error.place.object = mesh_.name;
       return tl::unexpected(std::move(error));
     }
-    if (before.inconsistentEdges > 0) {
+    if (turned > 0) {
       note(Severity::Repaired, "inconsistent-orientation",
-           fmt::format("turned faces that looked to opposite sides across {} edges",
-                       before.inconsistentEdges),
-           std::nullopt, double(before.inconsistentEdges));
+           fmt::format("turned faces that looked to opposite sides across {} edges", turned),
+           std::nullopt, double(turned));
     }
     report("non-manifold", done->split, "split {} vertices where too many faces hung together");
     report("degenerate-faces", done->flat, "took out {} faces without area");
