@@ -13,10 +13,10 @@ namespace ecorche::engine {
 namespace {
 
 // Fitted to peaks and times of whole builds (docs/decisions.md)
-constexpr double kBytesAtRest = 1.5e8;
-constexpr double kBytesPerFace = 1500;
-constexpr double kBytesPerTet = 3000;
-constexpr double kBytesPerTetAndMuscle = 4.0;
+constexpr double kBytesAtRest = 1e8;
+constexpr double kBytesPerFace = 500;
+constexpr double kBytesPerTet = 1600;
+constexpr double kBytesPerTetAndMuscle = 3.0;
 constexpr double kSecondsAtRest = 8.0;
 constexpr double kSecondsPerFace = 4e-5;
 constexpr double kSecondsPerTet = 6e-5;
