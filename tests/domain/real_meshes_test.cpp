@@ -45,24 +45,3 @@ TEST_CASE("a human body without bones") {
   requireGood(built);
   CHECK(built->report.volume == Approx(volume).epsilon(0.02));
 }
-
-TEST_CASE("a human skin around knees in patches and a pelvis whose parts overlap") {
-  if (!test::haveData("hra_male/VH_M_Skin.glb")) return;
-  const auto folder = test::dataFolder() / "hra_male";
-  RunContext run;
-  DomainInput input;
-  input.skin = mesh::readMesh(folder / "VH_M_Skin.glb", {}, run).value();
-  input.skin.name = "skin";
-  input.bones.push_back(mesh::readMesh(folder / "VH_M_Knee_L.glb", {}, run).value());
-  input.bones.back().name = "knee";
-  const auto pelvis = mesh::readMesh(folder / "VH_M_Pelvis.glb", {}, run).value();
-  for (std::size_t p = 0; p < pelvis.parts.size(); ++p) {
-    if (pelvis.parts[p].name.find("compact_bone") != std::string::npos)
-      input.bones.push_back(mesh::partOf(pelvis, p));
-  }
-  REQUIRE(input.bones.size() > 3);
-  const auto built = buildDomain(input, coarse(60000), run);
-  requireGood(built);
-  CHECK(test::hasFinding(built->report.findings, "united"));
-  CHECK(built->report.bonesUsed == std::ssize(input.bones));
-}
