@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "soundness.h"
 
@@ -43,5 +44,7 @@ TEST_CASE("a human body without bones") {
   const double volume = mesh::signedVolume(input.skin.V, input.skin.F);
   const auto built = buildDomain(input, coarse(40000), run);
   requireGood(built);
-  CHECK(built->report.volume == Approx(volume).epsilon(0.02));
+  // Coarse walls cut the body's roundness off, by no more than they stray from it
+  CHECK(std::abs(built->report.volume - volume) <=
+        built->report.maxDeviation * mesh::surfaceArea(input.skin.V, input.skin.F));
 }
