@@ -4,8 +4,8 @@
 #include <ecorche/authoring/muscle_heads.h>
 #include <ecorche/authoring/names.h>
 #include <ecorche/authoring/new_project.h>
-#include <ecorche/authoring/solid_bone.h>
 #include <ecorche/authoring/offset_skin.h>
+#include <ecorche/authoring/solid_bone.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/read_mesh.h>
 #include <ecorche/mesh/unit_check.h>
