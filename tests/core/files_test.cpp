@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <fstream>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -74,6 +75,13 @@ TEST_CASE("many may write one folder or file at once: all succeed, and one of th
   const fs::path target = temp.path() / "deep" / "out";
   constexpr int kWriters = 4, kTimes = 60;
   std::atomic<int> refused{0};
+  std::mutex mutex;
+  std::string why;
+  const auto note = [&](const Error& error) {
+    const std::lock_guard lock(mutex);
+    ++refused;
+    why += error.text() + "\n";
+  };
   {
     std::vector<std::jthread> writers;
     for (int w = 0; w < kWriters; ++w) {
@@ -85,12 +93,17 @@ TEST_CASE("many may write one folder or file at once: all succeed, and one of th
             for (const char* file : {"a", "b"}) std::ofstream(staged->path() / file) << text;
           }
           // Some give up, and take with them what nobody else uses
-          if (k % 5 != 4 && !(staged && staged->commit())) ++refused;
-          if (!writeFileWhole(temp.path() / "file", text)) ++refused;
+          if (!staged) note(staged.error());
+          if (staged && k % 5 != 4) {
+            if (const auto done = staged->commit(); !done) note(done.error());
+          }
+          if (const auto done = writeFileWhole(temp.path() / "file", text); !done)
+            note(done.error());
         }
       });
     }
   }
+  INFO(why);
   CHECK(refused == 0);
   CHECK(readFile(target / "a").value() == readFile(target / "b").value());
   CHECK(readFile(temp.path() / "file"));

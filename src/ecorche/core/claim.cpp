@@ -10,11 +10,15 @@ namespace ecorche {
 
 namespace fs = std::filesystem;
 
-std::optional<Claim> Claim::take(const fs::path& path) {
+std::optional<Claim> Claim::take(const fs::path& path) { return lock(path, LOCK_NB); }
+
+std::optional<Claim> Claim::waitFor(const fs::path& path) { return lock(path, 0); }
+
+std::optional<Claim> Claim::lock(const fs::path& path, int how) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (fd < 0) return std::nullopt;
   Claim claim(fd);
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+  if (::flock(fd, LOCK_EX | how) != 0) return std::nullopt;
   // Whoever held it before us may have removed it: then this is a lock on nothing
   struct stat held {
   }, there{};

@@ -94,7 +94,7 @@ Result<void> writeFileWhole(const fs::path& file, std::string_view bytes) {
     staged = stagingPath(target);
     fd = ::open(staged.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0 && errno != EEXIST) return refuse("create");
-    if (fd >= 0) claim = Claim::take(staged);
+    if (fd >= 0) claim = Claim::waitFor(staged);
   }
   if (fd < 0) return refuse("create");
   std::size_t done = 0;
@@ -230,7 +230,7 @@ Result<StagedFolder> StagedFolder::create(const fs::path& target, const Replacea
     const fs::path staged = stagingPath(impl->target);
     if (::mkdir(staged.c_str(), 0777) == 0) {
       impl->staged = staged;
-      impl->claim = Claim::take(staged);
+      impl->claim = Claim::waitFor(staged);
     } else if (errno != EEXIST && errno != ENOENT) {
       break;
     }
