@@ -125,8 +125,7 @@ class Repair {
     report("degenerate-faces", done->flat, "took out {} faces without area");
     report("hole", done->filled, "filled {} holes, up to {:.3g} m across");
     // The border of a lone face is a hole as well, and its filling the same face once more
-    report("duplicate-faces", dropDoubled(faces_),
-           "dropped {} faces that filling laid upon others");
+    dropDoubled(faces_);
     return {};
   }
 
