@@ -69,7 +69,8 @@ TEST_CASE("a process that asks for more memory than it may have does not get it"
 #ifdef __SANITIZE_ADDRESS__
   WARN("SKIPPED: no limit to memory under AddressSanitizer; this truth was not checked");
 #else
-  const auto end = shell("exec dd if=/dev/zero of=/dev/null bs=400M count=1",
+  // The limit is set on the running child: by then it may be some milliseconds old
+  const auto end = shell("sleep 0.3; exec dd if=/dev/zero of=/dev/null bs=400M count=1",
                          {.memoryLimit = std::size_t{100} << 20});
   REQUIRE(end);
   CHECK(end->exitCode == 1);
