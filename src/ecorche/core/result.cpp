@@ -6,8 +6,9 @@ namespace ecorche {
 
 std::string_view name(ErrorCode code) {
   switch (code) {
-#define EC_NAME(x) \
-  case ErrorCode::x: return #x;
+#define EC_NAME(x)   \
+  case ErrorCode::x: \
+    return #x;
     EC_NAME(FileMissing)
     EC_NAME(FileEmpty)
     EC_NAME(FileTruncated)

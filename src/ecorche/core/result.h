@@ -66,20 +66,22 @@ enum class ErrorCode {
 
 /// Where it went wrong: a spot in a file, or a thing of the model and a point to fly to.
 struct Place {
-  std::string file;    ///< path as the user gave it; empty if no file is at fault
-  int line = 0;        ///< from 1; 0: unknown
-  int column = 0;      ///< from 1; 0: unknown
-  std::string object;  ///< mesh, muscle or bone by name
+  std::string file;                      ///< path as the user gave it; empty if no file is at fault
+  int line = 0;                          ///< from 1; 0: unknown
+  int column = 0;                        ///< from 1; 0: unknown
+  std::string object;                    ///< mesh, muscle or bone by name
   std::optional<Eigen::Vector3d> point;  ///< world [m]
 };
 
-/// One failure: a code for programs, a sentence for people that names the thing, the value and the way out.
+/// One failure: a code for programs, a sentence for people that names the thing, the value and the
+/// way out.
 struct Error {
   ErrorCode code = ErrorCode::Internal;
   std::string message;
   Place place;
 
-  /// The one text that window and command line show: "forearm.ecorche:41:17: muscle "biceps" has no curve; ..."
+  /// The one text that window and command line show: "forearm.ecorche:41:17: muscle "biceps" has no
+  /// curve; ..."
   [[nodiscard]] std::string text() const;
 };
 
