@@ -1,6 +1,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/domain/prepare_meshes.h>
 #include <ecorche/mesh/outer_hull.h>
+#include <ecorche/mesh/piece_union.h>
 #include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
@@ -101,7 +102,9 @@ bool takeWhatItEncloses(mesh::RepairedSurface& surface, double allowed, RunConte
       fmt::format("\"{}\" cuts itself in {} pairs of faces; ", mesh.name, crossings.size());
   const Vector3 place = mesh.V.row(mesh.F(crossings.front().first, 0)).transpose();
   const std::int64_t count = std::ssize(crossings);
-  if (auto hull = mesh::outerHull(mesh)) {
+  auto hull = mesh::outerHull(mesh);
+  if (!hull) hull = mesh::pieceUnion(mesh, run);
+  if (hull) {
     tell(Severity::Repaired, "self-intersections",
          cuts + fmt::format("what it encloses was kept, {:.4g} cm³ of {:.4g} cm³ counted with "
                             "folds",

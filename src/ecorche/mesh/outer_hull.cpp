@@ -6,6 +6,7 @@
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_topology.h>
+#include <ecorche/mesh/tips.h>
 #include <ecorche/mesh/weld.h>
 
 #include <Eigen/Geometry>
@@ -61,35 +62,25 @@ std::optional<int> windingAbove(const SurfaceQuery& query, const SurfaceMesh& me
   return 0;
 }
 
-/// Where a fold ends in a vertex, two tips touch in it: each gets a vertex of its own and is drawn
-/// back a little.
-SurfaceMesh withTipsApart(SurfaceMesh mesh) {
-  constexpr double kShare = 0.05;  // of the tip's shortest edge
+/// Where a fold ends in a vertex, two tips touch in it: each gets a vertex of its own.
+void splitTips(SurfaceMesh& mesh) {
   const VertexFans fans = vertexFans(mesh.F, surfaceEdges(mesh.F));
   for (const std::int32_t tip : fans.nonManifoldVertices) {
-    std::map<std::int32_t, std::vector<std::pair<Eigen::Index, int>>> cornersOfFan;
+    std::map<std::int32_t, std::int32_t> copyOfFan;
     for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
       for (int k = 0; k < 3; ++k) {
-        if (mesh.F(f, k) == tip)
-          cornersOfFan[fans.fanOfCorner[static_cast<std::size_t>(3 * f + k)]].emplace_back(f, k);
+        if (mesh.F(f, k) != tip) continue;
+        const auto [copy, fresh] =
+            copyOfFan.try_emplace(fans.fanOfCorner[static_cast<std::size_t>(3 * f + k)],
+                                  static_cast<std::int32_t>(mesh.V.rows()));
+        if (fresh) {
+          mesh.V.conservativeResize(mesh.V.rows() + 1, 3);
+          mesh.V.row(copy->second) = mesh.V.row(tip);
+        }
+        mesh.F(f, k) = copy->second;
       }
-    }
-    for (const auto& [fan, corners] : cornersOfFan) {
-      const Vector3 at = mesh.V.row(tip).transpose();
-      Vector3 mean = Vector3::Zero();
-      double shortest = std::numeric_limits<double>::infinity();
-      for (const auto& [f, k] : corners) {
-        const Vector3 edge = mesh.V.row(mesh.F(f, (k + 1) % 3)).transpose() - at;
-        mean += edge / static_cast<double>(corners.size());
-        shortest = std::min(shortest, edge.norm());
-      }
-      const auto copy = static_cast<std::int32_t>(mesh.V.rows());
-      mesh.V.conservativeResize(copy + 1, 3);
-      mesh.V.row(copy) = (at + kShare * shortest * mean.normalized()).transpose();
-      for (const auto& [f, k] : corners) mesh.F(f, k) = copy;
     }
   }
-  return compacted(mesh);
 }
 
 }  // namespace
@@ -137,7 +128,9 @@ std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
     if (kept[patchOf(f)] != 0) out.F.row(count++) = refined.F.row(f);
   }
   out.F.conservativeResize(count, 3);
-  out = withTipsApart(std::move(out));
+  splitTips(out);
+  out = compacted(out);
+  drawTipsApart(out.V, out.F);
   if (count == 0 || !isUncrossed(out)) return std::nullopt;
   return out;
 }
