@@ -37,6 +37,24 @@ struct Filling {
   double scale = 1.0;
 };
 
+/// The scale at which walls and points together use the budget up, from what they were at
+/// `out.scale` (points) and `wallScale`: points go with its cube, walls with less than its square,
+/// since where they bend the tolerance decides.
+double balancedScale(const Filling& out, double wallScale, double budget) {
+  constexpr double kWallPower = 1.0;
+  const auto tets = [&](double scale) {
+    return tetsOf(out.points.rows(), 0) * std::pow(out.scale / scale, 3.0) +
+           tetsOf(0, out.walls.F.rows()) * std::pow(wallScale / scale, kWallPower);
+  };
+  double lo = 0.1 * wallScale;
+  double hi = 10.0 * wallScale;
+  for (int step = 0; step < 40; ++step) {
+    const double middle = std::sqrt(lo * hi);
+    (tets(middle) > budget ? lo : hi) = middle;
+  }
+  return hi;
+}
+
 /// Resampled walls and points between them. The first guess of the scale is put right where points
 /// and walls, once counted, lead elsewhere: points alone where that is enough, walls too where
 /// their triangles would no longer match the tets.
@@ -69,7 +87,7 @@ Result<Filling> fillWalls(const TaggedSurface& surface, const std::vector<CutPla
       out.scale = next;
     }
     if (attempt == 2 || std::abs(std::log(out.scale / scale)) < kMismatch) return out;
-    scale = out.scale;
+    scale = balancedScale(out, scale, *budget);
   }
 }
 

@@ -58,15 +58,14 @@ std::vector<std::int32_t>& CarriedSamples::of(std::int32_t face) {
   return ofFace_[f];
 }
 
-bool CarriedSamples::nearest(std::span<const std::int32_t> before, std::span<const NewFace> after,
-                             bool limited) {
+bool CarriedSamples::nearest(const SurfaceStep& step, bool limited) {
   moves_.clear();
-  for (const std::int32_t face : before) {
+  for (const std::int32_t face : step.before) {
     for (const std::int32_t s : of(face)) {
       const Sample& sample = samples_[static_cast<std::size_t>(s)];
       Move move{s, -1, std::numeric_limits<double>::infinity()};
-      for (const NewFace& candidate : after) {
-        const auto& [a, b, c] = candidate.corner;
+      for (const NewFace& candidate : step.after) {
+        const auto& [a, b, c] = candidate.corners.at;
         const double d2 = (closestOnTriangle(sample.at, a, b, c) - sample.at).squaredNorm();
         if (d2 < move.distance2) move = {s, candidate.face, d2};
       }
@@ -77,25 +76,20 @@ bool CarriedSamples::nearest(std::span<const std::int32_t> before, std::span<con
   return true;
 }
 
-void CarriedSamples::apply(std::span<const std::int32_t> before, std::span<const NewFace> after) {
-  for (const std::int32_t face : before) of(face).clear();
-  for (const NewFace& face : after) of(face.face);  // may be new
+bool CarriedSamples::allows(const SurfaceStep& step) { return nearest(step, true); }
+
+void CarriedSamples::follow(const SurfaceStep& step) {
+  for (const std::int32_t face : step.before) of(face).clear();
+  for (const NewFace& face : step.after) of(face.face);  // may be new
   for (const Move& move : moves_) {
     samples_[static_cast<std::size_t>(move.sample)].distance2 = move.distance2;
     of(move.face).push_back(move.sample);
   }
 }
 
-bool CarriedSamples::hand(std::span<const std::int32_t> before, std::span<const NewFace> after) {
-  if (!nearest(before, after, true)) return false;
-  apply(before, after);
-  return true;
-}
-
-void CarriedSamples::handAnyway(std::span<const std::int32_t> before,
-                                std::span<const NewFace> after) {
-  nearest(before, after, false);
-  apply(before, after);
+void CarriedSamples::followAnyway(const SurfaceStep& step) {
+  nearest(step, false);
+  follow(step);
 }
 
 }  // namespace ecorche::domain

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <ecorche/domain/surface_step.h>
 #include <ecorche/domain/tagged_surface.h>
 
-#include <array>
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 namespace ecorche::domain {
@@ -18,12 +17,6 @@ namespace ecorche::domain {
 /// other.
 class CarriedSamples {
  public:
-  /// A face after a step, with the corners that it will have.
-  struct NewFace {
-    std::int32_t face = 0;
-    std::array<mesh::Vector3, 3> corner;
-  };
-
   /// Corners of the surface, middles of its sides and points between; face f carries those of
   /// row f.
   /// @param spacing  no two neighbours farther apart [m, > 0]
@@ -31,14 +24,13 @@ class CarriedSamples {
   CarriedSamples(const TaggedSurface& surface, double spacing,
                  const std::function<double(const mesh::Vector3&)>& limit);
 
-  /// Hands everything that the faces of `before` carry to the nearest of `after`, where none comes
-  /// to lie farther than its limit, or farther than it lies already; otherwise changes nothing.
-  /// Faces may stand in both lists.
-  /// @return  whether it was done
-  bool hand(std::span<const std::int32_t> before, std::span<const NewFace> after);
-
-  /// The same without a limit: for steps that have to be.
-  void handAnyway(std::span<const std::int32_t> before, std::span<const NewFace> after);
+  /// Whether everything that the faces before carry finds a nearest face after that is no farther
+  /// than its limit, or than it lies already.
+  [[nodiscard]] bool allows(const SurfaceStep& step);
+  /// Hands over as allows(), the call before this one and with the same step, has found.
+  void follow(const SurfaceStep& step);
+  /// The same without a limit, and without asking: for steps that have to be.
+  void followAnyway(const SurfaceStep& step);
 
  private:
   struct Sample {
@@ -51,13 +43,12 @@ class CarriedSamples {
     std::int32_t face;
     double distance2;
   };
-  bool nearest(std::span<const std::int32_t> before, std::span<const NewFace> after, bool limited);
-  void apply(std::span<const std::int32_t> before, std::span<const NewFace> after);
+  bool nearest(const SurfaceStep& step, bool limited);
   std::vector<std::int32_t>& of(std::int32_t face);
 
   std::vector<Sample> samples_;
   std::vector<std::vector<std::int32_t>> ofFace_;
-  std::vector<Move> moves_;  // of the step that is being looked at
+  std::vector<Move> moves_;  // of the step that allows() has looked at
 };
 
 }  // namespace ecorche::domain

@@ -4,15 +4,19 @@
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <ecorche/domain/carve.h>
+#include <ecorche/domain/null_edges.h>
 #include <ecorche/domain/pockets.h>
 #include <ecorche/domain/wrap.h>
 #include <ecorche/mesh/cgal_surface.h>
 #include <ecorche/mesh/surface_check.h>
+#include <ecorche/mesh/tips.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <unordered_map>
@@ -26,6 +30,8 @@ using Kernel = mesh::CgalKernel;
 using Point = Kernel::Point_3;
 using Mesh = mesh::CgalSurface;
 using TagMap = Mesh::Property_map<Mesh::Face_index, std::int32_t>;
+constexpr double kHairShare = 0.02;  // of the wrap tolerance
+
 using Inside = CGAL::Side_of_triangle_mesh<Mesh, Kernel>;
 
 TagMap tagsOf(Mesh& mesh) {
@@ -135,24 +141,18 @@ Mesh halfSpace(const CutPlane& plane, std::int32_t tag, double size) {
 
 /// Corefinement meets edges and faces in an order that depends on memory, and the last digits of
 /// what it makes with it. 2⁻⁴² of the size is far below any tolerance and far above those digits.
-void roundVertices(Mesh& mesh, double size) {
+void roundPositions(mesh::Positions& V, double size) {
   const double grid = std::exp2(std::floor(std::log2(size)) - 42.0);
-  const auto rounded = [&](double x) { return std::round(x / grid) * grid; };
-  for (const auto v : mesh.vertices()) {
-    const Point& p = mesh.point(v);
-    mesh.point(v) = Point(rounded(p.x()), rounded(p.y()), rounded(p.z()));
-  }
+  V = (V / grid).array().round() * grid;
 }
 
 /// Puts the vertices of the faces on cut plane `tag` onto it.
-void snapToPlane(Mesh& mesh, const CutPlane& plane, std::int32_t tag) {
-  TagMap tags = tagsOf(mesh);
-  for (const auto f : mesh.faces()) {
-    if (tags[f] != tag) continue;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
-      const Point& p = mesh.point(v);
-      const mesh::Vector3 q = ontoPlane(plane, {p.x(), p.y(), p.z()});
-      mesh.point(v) = Point(q.x(), q.y(), q.z());
+void snapToPlane(TaggedSurface& surface, const CutPlane& plane, std::int32_t tag) {
+  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
+    if (surface.tag[static_cast<std::size_t>(f)] != tag) continue;
+    for (int k = 0; k < 3; ++k) {
+      const auto v = surface.F(f, k);
+      surface.V.row(v) = ontoPlane(plane, surface.V.row(v).transpose()).transpose();
     }
   }
 }
@@ -217,6 +217,16 @@ bool beyondCutPlane(const mesh::SurfaceMesh& mesh, const CutPlane& plane) {
   return true;
 }
 
+/// Bones of the midline have walls that a symmetry plane runs along within rounding, and cutting
+/// there leaves films that no resampling can keep apart. So what reaches no farther than a hair
+/// over the plane is moved behind it, and everything behind it by as much: nothing folds.
+void clearOfPlane(mesh::SurfaceMesh& mesh, const CutPlane& plane, double hair) {
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
+    if (plane.normal.dot(mesh.V.row(v).transpose() - plane.point) < hair)
+      mesh.V.row(v) -= 2.0 * hair * plane.normal.transpose();
+  }
+}
+
 class Carver {
  public:
   Carver(const CarveInput& input, const CarveOptions& options, RunContext& run)
@@ -240,14 +250,18 @@ class Carver {
                   "nothing is left of the skin after bones and cut planes were taken away",
                   {.object = input_.skin.name});
     }
-    roundVertices(skin_, size_);
+    out_.surface = fromCgal(skin_);
+    roundPositions(out_.surface.V, size_);
+    out_.surface = withoutNullEdges(out_.surface);
+    if (mesh::drawTipsApart(out_.surface.V, out_.surface.F) > 0)
+      roundPositions(out_.surface.V, size_);
+    // Corefinement numbers new vertices by what lies where in memory
+    out_.surface = ordered(out_.surface);
     // Last: every cut that meets a plane leaves rounded vertices on it
     for (std::size_t k = 0; k < input_.cutPlanes.size(); ++k) {
-      snapToPlane(skin_, input_.cutPlanes[k],
+      snapToPlane(out_.surface, input_.cutPlanes[k],
                   packed({BoundaryTag::Kind::CutPlane, static_cast<std::int32_t>(k)}));
     }
-    // Corefinement numbers new vertices by what lies where in memory
-    out_.surface = ordered(fromCgal(skin_));
     leavePocketsOut();
     std::ranges::sort(out_.wrapped);
     const auto repeated = std::ranges::unique(out_.wrapped);
@@ -264,21 +278,31 @@ class Carver {
 
   /// Marrow, and what bones close in: no fat could reach it.
   void leavePocketsOut() {
-    for (const Pocket& pocket : dropPockets(out_.surface)) {
-      std::string names;
-      std::string first;
-      for (const std::int32_t tag : pocket.tags) {
+    struct Of {
+      std::vector<std::string> names;
+      double volume = 0.0;
+      int count = 0;
+      Pocket largest;
+    };
+    std::map<std::vector<std::int32_t>, Of> byWalls;
+    for (Pocket& pocket : dropPockets(out_.surface)) {
+      Of& of = byWalls[pocket.tags];
+      of.volume += pocket.volume;
+      if (++of.count == 1 || pocket.volume > of.largest.volume) of.largest = std::move(pocket);
+    }
+    for (auto& [tags, of] : byWalls) {
+      for (const std::int32_t tag : tags) {
         const auto hole =
             std::ranges::find_if(input_.holes, [&](const Hole& h) { return packed(h.tag) == tag; });
-        if (hole == input_.holes.end()) continue;
-        names += (names.empty() ? "" : ", ") + hole->name;
-        if (first.empty()) first = hole->name;
+        if (hole != input_.holes.end()) of.names.push_back(hole->name);
       }
-      note(Severity::Warning, "closed-pocket", first,
-           fmt::format("{} cm³ closed in by {} touch no skin and were left out; a tissue in there "
-                       "would need a way out to the skin",
-                       fmt::format("{:.3g}", pocket.volume * 1e6), names),
-           pocket.place, pocket.volume);
+      const bool one = of.count == 1;
+      note(Severity::Warning, "closed-pocket", of.names.empty() ? "" : of.names.front(),
+           fmt::format("{}{:.3g} cm³ closed in by {} touch no skin and were left out; a tissue in "
+                       "there would need a way out to the skin",
+                       one ? "" : fmt::format("{} pockets, in all ", of.count), of.volume * 1e6,
+                       fmt::join(of.names, ", ")),
+           of.largest.place, of.volume);
     }
   }
 
@@ -481,7 +505,14 @@ class Carver {
 
 Result<Carved> carve(const CarveInput& input, const CarveOptions& options, RunContext& run) {
   const Stage stage(run, "domain: carve");
-  return Carver(input, options, run)();
+  if (input.cutPlanes.empty()) return Carver(input, options, run)();
+  CarveInput clear = input;
+  for (const CutPlane& plane : input.cutPlanes) {
+    const double hair = kHairShare * options.wrapTolerance;
+    clearOfPlane(clear.skin, plane, hair);
+    for (Hole& hole : clear.holes) clearOfPlane(hole.mesh, plane, hair);
+  }
+  return Carver(clear, options, run)();
 }
 
 }  // namespace ecorche::domain

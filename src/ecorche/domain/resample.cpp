@@ -1,4 +1,5 @@
 #include <ecorche/domain/carried_samples.h>
+#include <ecorche/domain/crossing_watch.h>
 #include <ecorche/domain/half_edges.h>
 #include <ecorche/domain/resample.h>
 #include <ecorche/domain/triangle_tree.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <queue>
 
 namespace ecorche::domain {
@@ -36,6 +38,7 @@ class Resampler {
         cutPlanes_(cutPlanes),
         options_(options),
         samples_(old, options.spacing, options.loss) {
+    if (options.watched) watch_.emplace(old);
     for (Eigen::Index v = 0; v < old.V.rows(); ++v) place(old.V.row(v).transpose());
     std::map<std::int32_t, std::vector<Eigen::Index>> facesOfTag;
     for (Eigen::Index f = 0; f < old.F.rows(); ++f) {
@@ -69,6 +72,7 @@ class Resampler {
     position_.push_back(p);
     wanted_.push_back(options_.edgeLength(p));
     tolerance_.push_back(options_.tolerance(p));
+    watched_.push_back(options_.watched && options_.watched(p));
   }
   const Vector3& pos(std::int32_t v) const { return position_[at(v)]; }
   double length(std::int32_t h) const { return (pos(he_.to(h)) - pos(he_.from(h))).norm(); }
@@ -192,12 +196,37 @@ class Resampler {
     he_.forOutgoing(v, [&](std::int32_t x) {
       before_.push_back(he_.face(x));
       if (collapsing >= 0 && (x == collapsing || he_.apex(x) == he_.to(collapsing))) return;
-      after_.push_back({he_.face(x), {p, pos(he_.to(x)), pos(he_.apex(x))}});
+      const std::int32_t centre = collapsing >= 0 ? he_.to(collapsing) : v;
+      const std::int32_t b = he_.to(x);
+      const std::int32_t c = he_.apex(x);
+      after_.push_back({he_.face(x), {{centre, b, c}, {p, pos(b), pos(c)}}});
     });
   }
-  bool carryAround(std::int32_t v, const Vector3& p) {
+
+  /// Takes the step from before_ to after_ unless it would lose points of the old surface or, where
+  /// that is watched, make faces cross.
+  bool take() {
+    const SurfaceStep step{before_, after_};
+    if (!samples_.allows(step)) return false;
+    if (isWatched(step) && !watch_->allows(step)) return false;
+    samples_.follow(step);
+    if (watch_) watch_->follow(step);
+    return true;
+  }
+  void takeAnyway() {
+    const SurfaceStep step{before_, after_};
+    samples_.followAnyway(step);
+    if (watch_) watch_->follow(step);
+  }
+  bool isWatched(const SurfaceStep& step) const {
+    return watch_ && std::ranges::any_of(step.after, [&](const NewFace& face) {
+             return std::ranges::any_of(face.corners.vertex,
+                                        [&](std::int32_t v) { return watched_[at(v)] != 0; });
+           });
+  }
+  bool takeAround(std::int32_t v, const Vector3& p) {
     fan(v, p);
-    return samples_.hand(before_, after_);
+    return take();
   }
 
   /// The edge to split instead of h: none of its two faces has a longer one [Rivara 1984]. In a
@@ -236,11 +265,11 @@ class Resampler {
       const Vector3 p = projectedMiddle(h, middle);
       const auto [m, second] = he_.split(h);
       place(p);
-      if (!carryAround(m, p)) {
+      if (!takeAround(m, p)) {
         // Where projecting would lose a point of the old surface the two faces are only cut
         position_.back() = middle;
         fan(m, middle);
-        samples_.handAnyway(before_, after_);
+        takeAnyway();
       }
       freedom_.push_back(curve ? Freedom::Curve : Freedom::Surface);
       feature_.resize(at(he_.halfEdgeCount() / 2), 0);
@@ -280,7 +309,7 @@ class Resampler {
   bool collapse(std::int32_t h) {
     if (!mayCollapse(h)) return false;
     fan(he_.from(h), pos(he_.to(h)), h);
-    if (!samples_.hand(before_, after_)) return false;
+    if (!take()) return false;
     merge(h);
     return true;
   }
@@ -340,7 +369,7 @@ class Resampler {
   // much better
   void flipEdges() {
     for (std::int32_t h = 0; h < he_.halfEdgeCount(); h += 2) {
-      if (!he_.edgeAlive(h) || isFeature(h) || !he_.canFlip(h)) continue;
+      if (!he_.edgeAlive(h) || isFeature(h)) continue;
       const std::int32_t o = HalfEdges::opposite(h);
       const std::int32_t a = he_.from(h), b = he_.to(h), c = he_.apex(h), d = he_.apex(o);
       const double before =
@@ -355,7 +384,7 @@ class Resampler {
                        excess(b, -1) - excess(c, 1) - excess(d, 1);
       const bool better =
           (gain > 0 && after > std::min(0.5, before)) || after > 1.2 * before + 0.02;
-      if (!better || (gain < 0 && before > 0.6)) continue;
+      if (!better || (gain < 0 && before > 0.6) || !he_.canFlip(h)) continue;
       const double tolerance =
           std::min({tolerance_[at(a)], tolerance_[at(b)], tolerance_[at(c)], tolerance_[at(d)]});
       if (!mayReplace(he_.tag(h), {pos(a), pos(b), pos(c)}, {pos(d), pos(c), pos(a)}, tolerance) ||
@@ -363,8 +392,9 @@ class Resampler {
         continue;
       }
       before_ = {he_.face(h), he_.face(o)};
-      after_ = {{he_.face(h), {pos(d), pos(c), pos(a)}}, {he_.face(o), {pos(c), pos(d), pos(b)}}};
-      if (samples_.hand(before_, after_)) he_.flip(h);
+      after_ = {{he_.face(h), {{d, c, a}, {pos(d), pos(c), pos(a)}}},
+                {he_.face(o), {{c, d, b}, {pos(c), pos(d), pos(b)}}}};
+      if (take()) he_.flip(h);
     }
   }
 
@@ -381,10 +411,11 @@ class Resampler {
         good = good && mayReplace(he_.tag(x), {pos(v), b, a}, {p, b, a}, tolerance_[at(v)]);
         if (good && isFeature(x)) good = curves_.within(0.5 * (p + b), tolerance_[at(v)]);
       });
-      if (!good || !carryAround(v, p)) continue;
+      if (!good || !takeAround(v, p)) continue;
       position_[at(v)] = p;
       wanted_[at(v)] = options_.edgeLength(p);
       tolerance_[at(v)] = options_.tolerance(p);
+      watched_[at(v)] = options_.watched && options_.watched(p);
     }
   }
 
@@ -424,12 +455,14 @@ class Resampler {
   std::vector<Vector3> position_;
   std::vector<double> wanted_, tolerance_;
   std::vector<Freedom> freedom_;
+  std::vector<std::uint8_t> watched_;  // per vertex
   std::vector<std::uint8_t> feature_;  // per edge
   std::map<std::int32_t, TriangleTree> trees_;
   TriangleTree curves_;
   CarriedSamples samples_;
+  std::optional<CrossingWatch> watch_;
   std::vector<std::int32_t> before_;  // of the step that is being looked at
-  std::vector<CarriedSamples::NewFace> after_;
+  std::vector<NewFace> after_;
 };
 
 }  // namespace

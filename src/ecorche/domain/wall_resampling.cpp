@@ -1,6 +1,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/domain/face_samples.h>
 #include <ecorche/domain/resample.h>
+#include <ecorche/domain/tight_places.h>
 #include <ecorche/domain/triangle_tree.h>
 #include <ecorche/domain/wall_resampling.h>
 #include <ecorche/mesh/self_intersection.h>
@@ -20,6 +21,8 @@ constexpr double kLoss = 0.75;      // for points of the old surface that are ca
 constexpr double kAccepted = 0.85;  // for all points of the old surface, in the end
 constexpr int kRounds = 8;
 constexpr double kReach = 2.0;  // edges over which a stricter place wears off
+constexpr double kWatch = 2.0;  // edges around a tight place within which no faces may cross
+constexpr double kTight = 2.0;  // of the tolerance: walls that are nearer may come to cross
 
 Vector3 corner(const TaggedSurface& s, Eigen::Index f, int k) {
   return s.V.row(s.F(f, k)).transpose();
@@ -57,6 +60,8 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
   // edges
   std::vector<WantedLength> strict;
   SizingField factor(sizing.box(), strict, 1.0, 1.0);
+  TightPlaces tight([&](const Vector3& p) { return kWatch * scale * sizing.at(p); });
+  for (const Vector3& p : placesInGaps(surface, kTight * tolerance)) tight.add(p);
   WallResampling out;
   for (;; ++out.rounds) {
     const auto share = [&](const Vector3& p) { return std::pow(factor.at(p), 1.5) * tolerance; };
@@ -64,7 +69,8 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
         .edgeLength = [&](const Vector3& p) { return factor.at(p) * scale * sizing.at(p); },
         .tolerance = [&](const Vector3& p) { return kSlack * share(p); },
         .loss = [&](const Vector3& p) { return kLoss * share(p); },
-        .spacing = kSampleSpacing * tolerance};
+        .spacing = kSampleSpacing * tolerance,
+        .watched = [&](const Vector3& p) { return tight.contains(p); }};
     auto resampled = resample(surface, cutPlanes, how, run);
     if (!resampled) return passOn(resampled);
     out.walls = std::move(*resampled);
@@ -73,11 +79,17 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
         pointsBeyond(surface, out.walls, kAccepted * tolerance, kSampleSpacing * tolerance);
     const auto crossings = mesh::selfIntersections(out.walls.V, out.walls.F);
     out.crossings = static_cast<std::int64_t>(crossings.size());
-    for (const auto& [a, b] : crossings) {
-      places.push_back(middle(out.walls, a));
-      places.push_back(middle(out.walls, b));
+    bool news = !places.empty();
+    for (const auto& pair : crossings) {
+      for (const std::int32_t f : {pair.first, pair.second}) {
+        const Vector3 p = middle(out.walls, f);
+        news = news || !tight.contains(p);
+        tight.add(p);
+      }
     }
-    if (places.empty() || out.rounds == kRounds) return out;
+    // What crosses though it was watched, crossed from the start
+    if (!news || out.rounds == kRounds) return out;
+    if (places.empty()) continue;
 
     double length = 0.0;
     for (const Vector3& p : places) length += scale * sizing.at(p);

@@ -17,9 +17,10 @@ struct WallResampling {
 /// Resamples the carved surface to scale · sizing so that it lies within the tolerance both ways
 /// and nowhere crosses itself.
 ///
-/// What resampling does not watch is seen only afterwards: walls of a narrow gap that cross once
-/// both are coarse, and points of the old surface between those that it carries along. Around such
-/// places it is done again with half the length and a third of the slack, and so on.
+/// Where walls are near to each other from the start no step may make faces cross. Where they come
+/// to cross elsewhere it is done again with the places watched. Where points of the old surface
+/// between those that resampling carries along are lost, it is done again with half the length and
+/// a third of the slack, and so on.
 /// @errors  those of resample
 [[nodiscard]] Result<WallResampling> resampleWalls(const TaggedSurface& surface,
                                                    const std::vector<CutPlane>& cutPlanes,

@@ -19,7 +19,8 @@ using domain::WantedLength;
 using mesh::Vector3;
 
 // A draft has fewer tets than the domain, but enough to tell thick muscles from thin ones
-constexpr std::int64_t kMostTets = 80000;
+constexpr std::int64_t kEnoughTets = 80000;
+constexpr double kLargeShare = 0.25;  // of a domain so large that many muscles must be in it
 constexpr std::int64_t kLeastTets = 5000;
 constexpr double kShareOfTets = 2.0 / 3.0;
 constexpr double kTolerance = 2.0;  // of the domain's own
@@ -111,8 +112,12 @@ Result<std::vector<WantedLength>> lengthsFromDraft(const domain::DomainInput& in
   const Stage stage(run, "draft");
   domain::DomainOptions coarse = options;
   coarse.edgeLength.reset();
-  const double share = kShareOfTets * static_cast<double>(options.tets.value_or(kMostTets));
-  coarse.tets = std::clamp(static_cast<std::int64_t>(share), kLeastTets, kMostTets);
+  const std::int64_t tets = options.tets.value_or(kEnoughTets);
+  const auto share = [&](double s) {
+    return static_cast<std::int64_t>(s * static_cast<double>(tets));
+  };
+  coarse.tets =
+      std::clamp(share(kShareOfTets), kLeastTets, std::max(kEnoughTets, share(kLargeShare)));
   coarse.surfaceToleranceRel =
       std::max(options.surfaceToleranceRel,
                std::min(kTolerance * options.surfaceToleranceRel, kLargestTolerance));
