@@ -130,7 +130,8 @@ std::vector<Row> boneRows() {
         return withBones({m, goodUlna()});
       },
       ErrorCode::MeshWithoutFaces);
-  row("bone of a thousand pieces",
+  row(
+      "bone of a thousand pieces",
       [] {
         std::vector<SurfaceMesh> pieces;
         for (int k = 0; k < 1000; ++k) {

@@ -7,7 +7,8 @@
 
 namespace ecorche {
 
-/// The caller broke a promise that the docstring asks for. Not for the world's faults: those are Results.
+/// The caller broke a promise that the docstring asks for. Not for the world's faults: those are
+/// Results.
 class ContractError : public std::logic_error {
  public:
   using std::logic_error::logic_error;
@@ -20,27 +21,27 @@ namespace detail {
 }  // namespace ecorche
 
 /// Checked in every build; throws ContractError with the place.
-#define EC_REQUIRE(condition)                                                       \
-  do {                                                                              \
+#define EC_REQUIRE(condition)                                                            \
+  do {                                                                                   \
     if (!(condition)) ::ecorche::detail::contractBroken(__FILE__, __LINE__, #condition); \
   } while (false)
 
 /// As EC_REQUIRE, with both values in the message.
-#define EC_REQUIRE_EQ(a, b)                                                                   \
-  do {                                                                                        \
-    const auto& ecLeft = (a);                                                                 \
-    const auto& ecRight = (b);                                                                \
-    if (!(ecLeft == ecRight))                                                                 \
-      ::ecorche::detail::contractBroken(                                                      \
+#define EC_REQUIRE_EQ(a, b)                                                                      \
+  do {                                                                                           \
+    const auto& ecLeft = (a);                                                                    \
+    const auto& ecRight = (b);                                                                   \
+    if (!(ecLeft == ecRight))                                                                    \
+      ::ecorche::detail::contractBroken(                                                         \
           __FILE__, __LINE__, fmt::format("{} == {} ({} against {})", #a, #b, ecLeft, ecRight)); \
   } while (false)
 
 /// Our own invariants: checked where ECORCHE_CHECKED is set (preset dev), free elsewhere.
 #ifdef ECORCHE_CHECKED
-#define EC_ASSERT(condition, ...)                                                            \
-  do {                                                                                       \
-    if (!(condition))                                                                        \
-      ::ecorche::detail::contractBroken(__FILE__, __LINE__,                                  \
+#define EC_ASSERT(condition, ...)                                                                 \
+  do {                                                                                            \
+    if (!(condition))                                                                             \
+      ::ecorche::detail::contractBroken(__FILE__, __LINE__,                                       \
                                         std::string(#condition ": ") + fmt::format(__VA_ARGS__)); \
   } while (false)
 #else

@@ -23,7 +23,8 @@ using TetId = Id<struct TetTag>;
 using BoneId = Id<struct BoneTag>;
 using CurveId = Id<struct CurveTag>;
 
-/// Tissue ids as they are written to files: 0 none, 1 fat, from 2 on muscles and fillers in project order.
+/// Tissue ids as they are written to files: 0 none, 1 fat, from 2 on muscles and fillers in project
+/// order.
 using TissueId = Id<struct TissueTag>;
 inline constexpr TissueId kNoTissue{0};
 inline constexpr TissueId kFat{1};

@@ -8,8 +8,9 @@
 
 namespace ecorche {
 
-/// body(i) for every i in [0, count), on as many threads as the process was given (see ThreadLimit).
-/// Chunks have a fixed size, so what a body writes to slots of its own index is the same for any thread count.
+/// body(i) for every i in [0, count), on as many threads as the process was given (see
+/// ThreadLimit). Chunks have a fixed size, so what a body writes to slots of its own index is the
+/// same for any thread count.
 template <class Body>
 void parallelFor(std::int64_t count, const Body& body, std::int64_t grain = 1024) {
   tbb::parallel_for(

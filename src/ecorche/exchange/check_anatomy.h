@@ -33,8 +33,9 @@ struct CheckOptions {
 /// faces-shared, faces-marked, boundary-closed, volumes-add-up (1e-9), labels-known, and per muscle
 /// muscles-closed, muscles-manifold-edges, muscles-manifold-vertices, muscles-connected,
 /// curves-inside (95 % of the length), surfaces-agree (1e-9, vertices to the bit); fibers-unit,
-/// fibers-follow-curves (15°), fibers-origin-to-insertion, fibers-no-extrema (0.5 %); skin-deviation, bone-deviation (both
-/// ways, 0.1 % of the diagonal); report-agrees. docs/formats.md says what each of them means.
+/// fibers-follow-curves (15°), fibers-origin-to-insertion, fibers-no-extrema (0.5 %);
+/// skin-deviation, bone-deviation (both ways, 0.1 % of the diagonal); report-agrees.
+/// docs/formats.md says what each of them means.
 ///
 /// @errors what the readers say about a file that cannot be read; Cancelled. A check that fails is
 /// no error here.

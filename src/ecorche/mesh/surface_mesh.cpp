@@ -75,7 +75,8 @@ SurfaceMesh compactedFaces(const Positions& V, const Triangles& F) {
   SurfaceMesh out;
   out.V.resize(count, 3);
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
-    if (fresh[static_cast<std::size_t>(v)] >= 0) out.V.row(fresh[static_cast<std::size_t>(v)]) = V.row(v);
+    if (fresh[static_cast<std::size_t>(v)] >= 0)
+      out.V.row(fresh[static_cast<std::size_t>(v)]) = V.row(v);
   }
   out.F.resize(F.rows(), 3);
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
@@ -116,7 +117,8 @@ SurfaceMesh joined(const std::vector<SurfaceMesh>& meshes, std::string name) {
   for (const auto& m : meshes) {
     out.V.middleRows(v, m.V.rows()) = m.V;
     out.F.middleRows(f, m.F.rows()) = m.F.array() + static_cast<std::int32_t>(v);
-    out.parts.push_back({m.name, static_cast<std::int32_t>(f), static_cast<std::int32_t>(m.F.rows())});
+    out.parts.push_back(
+        {m.name, static_cast<std::int32_t>(f), static_cast<std::int32_t>(m.F.rows())});
     v += m.V.rows();
     f += m.F.rows();
   }

@@ -12,7 +12,8 @@ struct TetMesh {
   Tets T;       ///< #T×4
 };
 
-/// Neighbours across faces: N(t, k) is the tet that shares the face opposite corner k of t, -1 on the boundary.
+/// Neighbours across faces: N(t, k) is the tet that shares the face opposite corner k of t, -1 on
+/// the boundary.
 using TetNeighbours = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor>;  // #T×4
 
 [[nodiscard]] double signedVolume(const Vector3& a, const Vector3& b, const Vector3& c,
@@ -22,10 +23,11 @@ using TetNeighbours = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowM
 /// Mean of the six edge lengths of every tet [m].
 [[nodiscard]] Eigen::VectorXd meanEdgeLengths(const TetMesh& mesh);
 
-/// What two tets share, found by sorting faces. Faces with three or more tets are counted, not linked.
+/// What two tets share, found by sorting faces. Faces with three or more tets are counted, not
+/// linked.
 struct TetAdjacency {
-  TetNeighbours neighbours;            ///< #T×4
-  std::int64_t nonManifoldFaces = 0;   ///< faces that three or more tets claim
+  TetNeighbours neighbours;           ///< #T×4
+  std::int64_t nonManifoldFaces = 0;  ///< faces that three or more tets claim
 };
 [[nodiscard]] TetAdjacency tetAdjacency(const Tets& T);
 
