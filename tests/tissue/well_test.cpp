@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "support/generated_domain.h"
 #include "tissue/curves.h"
@@ -126,6 +127,42 @@ TEST_CASE("vertices beside a curve have the line's own field, which linear funct
     CHECK(raw > 0.03);
     CHECK(corrected < 0.35 * raw);
   }
+}
+
+TEST_CASE(
+    "where curves run within one tet of each other no vertex is taken past what they ask for") {
+  const Domain domain = test::cylinderDomain(1.0, 0.8, 12, 4);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> within(-1.0, 1.0);
+  const auto beside = [&](double x, double y, double z) {
+    return Vector3(x + 0.02 * within(random), y + 0.02 * within(random), z);
+  };
+  std::vector<CurveTissue> bundle;
+  for (int i = 0; i < 12; ++i)
+    bundle.push_back(muscle("m" + std::to_string(i),
+                            {beside(0.1 * within(random), 0.1, -0.1), beside(0.1, 0.05, 0.4),
+                             beside(0.1, 0.3 * within(random), 0.9)}));
+  TissueOptions options;
+  options.coreRadius = 0.003;
+  RunContext run;
+  auto cores = traceCurves(domain, bundle, options, run);
+  REQUIRE(cores.has_value());
+  const auto with = solveTissueFields(domain, *cores, bundle, options, run);
+  cores->nearCurves.clear();
+  const auto without = solveTissueFields(domain, *cores, bundle, options, run);
+  REQUIRE(with.has_value());
+  REQUIRE(without.has_value());
+  Eigen::Index moved = 0;
+  for (Eigen::Index v = 0; v < domain.mesh.V.rows(); ++v) {
+    for (Eigen::Index j = 1; j < with->values.cols(); ++j) {
+      const double before = without->values(v, j);
+      const double after = with->values(v, j);
+      moved += before != after;
+      CHECK(after >= std::min(0.0, before));
+      CHECK(after <= std::max(1.0, before));
+    }
+  }
+  CHECK(moved > 100);
 }
 
 TEST_CASE(

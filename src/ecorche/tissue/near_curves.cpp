@@ -2,6 +2,8 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/near_curves.h>
 
+#include <algorithm>
+
 namespace ecorche::tissue {
 
 void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
@@ -20,8 +22,15 @@ void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
     flux[sample.tissue.value - kFat.value] += targets[static_cast<std::size_t>(s)];
     flux *= sample.weight / sample.length;
   });
-  for (const NearCurve& near : cores.nearCurves)
-    values.row(near.vertex) -= near.error * q.row(near.sample);
+  for (const NearCurve& near : cores.nearCurves) {
+    const auto s = static_cast<std::size_t>(near.sample);
+    const Eigen::Index own = cores.samples[s].tissue.value - kFat.value;
+    auto f = values.row(near.vertex);
+    for (Eigen::Index j = 0; j < values.cols(); ++j) {
+      const double corrected = std::max(f[j] - near.error * q(near.sample, j), std::min(f[j], 0.0));
+      f[j] = j == own ? std::min(corrected, std::max(f[j], targets[s])) : corrected;
+    }
+  }
 }
 
 }  // namespace ecorche::tissue

@@ -16,8 +16,11 @@ namespace ecorche::tissue {
 /// change by the same factor, so the same product is used there; that the tets are stretched in its
 /// metric is left aside.
 ///
+/// No value is taken below 0, nor in its own field above D_i, unless it lies there already: where
+/// other curves run within a patch, a lone line is no guide.
+///
 /// @param targets  tissue value at every sample
-/// @param values   solved fields, all rows; linear in the tissue values before and after
+/// @param values   solved fields, all rows
 void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
                        std::span<const double> targets, FieldMatrix& values);
 
