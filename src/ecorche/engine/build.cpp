@@ -34,6 +34,10 @@ Result<std::vector<domain::WantedLength>> wantedLengths(const model::Project& pr
                                                         Findings& findings, RunContext& run) {
   const auto tissues = curveTissues(project);
   auto lengths = lengthsFromDraft(input, how, tissues, tissueOptions(project), run);
+  if (lengths) {
+    const auto close = lengthsBetweenCurves(tissues, mesh::boundingBox(input.skin).diagonal());
+    lengths->insert(lengths->end(), close.begin(), close.end());
+  }
   if (lengths || meetsTheDomainToo(lengths.error().code)) return lengths;
   findings.push_back(
       {.severity = Severity::Warning,

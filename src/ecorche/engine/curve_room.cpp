@@ -72,7 +72,39 @@ std::vector<double> smoothed(const std::vector<double>& radius) {
   return out;
 }
 
+/// Points of all curves, owned by their tissue.
+Grid gridOf(const std::vector<tissue::CurveTissue>& tissues, double cell, double spacing) {
+  Grid curves(cell);
+  for (std::size_t t = 0; t < tissues.size(); ++t) {
+    for (const auto& curve : tissues[t].curves) {
+      for (const Vector3& p : curve.spline.sample(spacing).point)
+        curves.add(p, static_cast<int>(t));
+    }
+  }
+  return curves;
+}
+
 }  // namespace
+
+std::vector<domain::WantedLength> lengthsBetweenCurves(
+    const std::vector<tissue::CurveTissue>& tissues, double diagonal) {
+  constexpr double kShare = 0.12;
+  const double reach = 0.01 * diagonal;
+  const double floor = 0.002 * diagonal;
+  const double spacing = 0.001 * diagonal;
+  const Grid curves = gridOf(tissues, reach, spacing);
+  std::vector<domain::WantedLength> out;
+  for (std::size_t t = 0; t < tissues.size(); ++t) {
+    if (tissues[t].filler) continue;
+    for (const auto& curve : tissues[t].curves) {
+      for (const Vector3& p : curve.spline.sample(spacing).point) {
+        const double apart = curves.nearestOther(p, static_cast<int>(t), reach);
+        if (apart < reach) out.push_back({p, kShare * std::max(floor, apart)});
+      }
+    }
+  }
+  return out;
+}
 
 std::vector<domain::WantedLength> lengthsAlongCurves(
     const std::vector<tissue::CurveTissue>& tissues, const mesh::SurfaceMesh& skin) {
@@ -84,13 +116,7 @@ std::vector<domain::WantedLength> lengthsAlongCurves(
   const double floor = 0.002 * diagonal;
   constexpr int kSkin = -1;
 
-  Grid curves(0.02 * diagonal);
-  for (std::size_t t = 0; t < tissues.size(); ++t) {
-    for (const auto& curve : tissues[t].curves) {
-      for (const Vector3& p : curve.spline.sample(spacing).point)
-        curves.add(p, static_cast<int>(t));
-    }
-  }
+  const Grid curves = gridOf(tissues, 0.02 * diagonal, spacing);
   Grid skinPoints(0.02 * diagonal);
   for (Eigen::Index v = 0; v < skin.V.rows(); ++v) skinPoints.add(skin.V.row(v).transpose(), kSkin);
 

@@ -16,4 +16,9 @@ namespace ecorche::engine {
 [[nodiscard]] std::vector<domain::WantedLength> lengthsAlongCurves(
     const std::vector<tissue::CurveTissue>& tissues, const mesh::SurfaceMesh& skin);
 
+/// Where curves of different tissues run so close together that muscles are no guide: eight tets
+/// from one to the other, before lengths are scaled to the budget.
+[[nodiscard]] std::vector<domain::WantedLength> lengthsBetweenCurves(
+    const std::vector<tissue::CurveTissue>& tissues, double diagonal);
+
 }  // namespace ecorche::engine
