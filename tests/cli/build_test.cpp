@@ -5,6 +5,7 @@
 #include <set>
 
 #include "support/program.h"
+#include "support/refusal.h"
 #include "support/small_project.h"
 
 using namespace ecorche;
@@ -32,20 +33,8 @@ void refuses(const SmallProject& p, const std::string& code, const std::vector<s
              const std::string& output = "made/for/this/out", const std::string& first = {}) {
   const auto before = everythingIn(p.folder());
   const auto run = build(p, "limb.ecorche -o " + output, first);
-  INFO(run.err << run.out);
-  CHECK(run.exitCode == 1);
   CHECK(everythingIn(p.folder()) == before);
-
-  // One sentence for people, one code for programs
-  CHECK(run.err.starts_with("ecorche: "));
-  CHECK(std::ranges::count(run.err, '\n') == 1);
-  for (const std::string& word : words) {
-    INFO("\"" << word << "\"");
-    CHECK(run.err.find(word) != std::string::npos);
-  }
-  const auto json = nlohmann::json::parse(run.out, nullptr, false);
-  REQUIRE(json.contains("error"));
-  CHECK(json.at("error").at("code") == code);
+  requireRefused(run, code, words);
 }
 
 std::string replaced(std::string text, const std::string& old, const std::string& fresh) {

@@ -9,6 +9,7 @@
 #include "support/mounted_disk.h"
 #include "support/output_files.h"
 #include "support/program.h"
+#include "support/refusal.h"
 #include "support/running.h"
 #include "support/small_project.h"
 
@@ -74,17 +75,7 @@ class Bench {
                const std::string& first, const std::string& more = {}) const {
     // Not from the cache, where no worker is needed
     const auto run = build("limb.ecorche -o place/out --no-cache " + more, first);
-    INFO(run.err << run.out);
-    CHECK(run.exitCode == 1);
-    CHECK(run.err.starts_with("ecorche: "));
-    CHECK(std::ranges::count(run.err, '\n') == 1);
-    for (const std::string& word : words) {
-      INFO("\"" << word << "\"");
-      CHECK(run.err.find(word) != std::string::npos);
-    }
-    const auto json = nlohmann::json::parse(run.out, nullptr, false);
-    REQUIRE(json.contains("error"));
-    CHECK(json.at("error").at("code") == code);
+    requireRefused(run, code, words);
     CHECK(output() == earlier_);
     CHECK(litter().empty());
   }

@@ -20,14 +20,8 @@ mesh::Box boxOf(const FaceCorners& face) {
 
 CrossingWatch::CrossingWatch(const TaggedSurface& surface) : tree_(mesh::boundingBox(surface.V)) {
   faces_.reserve(static_cast<std::size_t>(surface.F.rows()));
-  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    FaceCorners corners;
-    for (int k = 0; k < 3; ++k) {
-      corners.vertex[at(k)] = surface.F(f, k);
-      corners.at[at(k)] = surface.V.row(surface.F(f, k)).transpose();
-    }
-    put(static_cast<std::int32_t>(f), corners);
-  }
+  for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
+    put(static_cast<std::int32_t>(f), mesh::faceCorners(surface.V, surface.F, f));
 }
 
 void CrossingWatch::put(std::int32_t face, const FaceCorners& corners) {

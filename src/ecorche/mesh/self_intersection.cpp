@@ -21,16 +21,16 @@ Kernel::Segment_3 farEdge(const FaceCorners& f, std::size_t corner) {
   return {point(f.at[(corner + 1) % 3]), point(f.at[(corner + 2) % 3])};
 }
 
-FaceCorners cornersOf(const Positions& V, const Triangles& F, std::int32_t f) {
+}  // namespace
+
+FaceCorners faceCorners(const Positions& V, const Triangles& F, Eigen::Index face) {
   FaceCorners out;
   for (int k = 0; k < 3; ++k) {
-    out.vertex[static_cast<std::size_t>(k)] = F(f, k);
-    out.at[static_cast<std::size_t>(k)] = V.row(F(f, k)).transpose();
+    out.vertex[static_cast<std::size_t>(k)] = F(face, k);
+    out.at[static_cast<std::size_t>(k)] = V.row(F(face, k)).transpose();
   }
   return out;
 }
-
-}  // namespace
 
 bool isDegenerate(const FaceCorners& face) { return triangle(face).is_degenerate(); }
 
@@ -72,7 +72,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> selfIntersections(const Posit
   std::vector<FaceBox> boxes;
   boxes.reserve(static_cast<std::size_t>(F.rows()));
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
-    const auto face = triangle(cornersOf(V, F, static_cast<std::int32_t>(f)));
+    const auto face = triangle(faceCorners(V, F, f));
     if (!face.is_degenerate()) boxes.emplace_back(face.bbox(), static_cast<std::int32_t>(f));
   }
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
@@ -84,7 +84,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> selfIntersections(const Posit
   parallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t i) {
     const auto p = static_cast<std::size_t>(i);
     const auto& [f, g] = pairs[p];
-    meets[p] = facesMeet(cornersOf(V, F, f), cornersOf(V, F, g)) ? 1 : 0;
+    meets[p] = facesMeet(faceCorners(V, F, f), faceCorners(V, F, g)) ? 1 : 0;
   });
   std::size_t kept = 0;
   for (std::size_t p = 0; p < pairs.size(); ++p) {

@@ -15,6 +15,9 @@ struct FaceCorners {
   std::array<Vector3, 3> at;
 };
 
+/// Row `face` of F.
+[[nodiscard]] FaceCorners faceCorners(const Positions& V, const Triangles& F, Eigen::Index face);
+
 /// No area. Exact.
 [[nodiscard]] bool isDegenerate(const FaceCorners& face);
 
