@@ -48,3 +48,27 @@ TEST_CASE("a human body without bones") {
   CHECK(std::abs(built->report.volume - volume) <=
         built->report.maxDeviation * mesh::surfaceArea(input.skin.V, input.skin.F));
 }
+
+TEST_CASE("a human pelvis of shells that share faces, beside knees that cut themselves") {
+  if (!test::haveData("hra_male/VH_M_Skin.glb")) return;
+  RunContext run;
+  const auto part = [&](const char* file) {
+    auto mesh = mesh::readMesh(test::dataFolder() / "hra_male" / file, {1.0}, run).value();
+    mesh.name = file;
+    return mesh;
+  };
+  DomainInput input;
+  input.skin = part("VH_M_Skin.glb");
+  input.bones = {part("VH_M_Knee_L.glb"), part("VH_M_Knee_R.glb")};
+  const auto pelvis = part("VH_M_Pelvis.glb");
+  for (std::size_t p = 0; p < pelvis.parts.size(); ++p) {
+    if (pelvis.parts[p].name.find("compact_bone") != std::string::npos)
+      input.bones.push_back(mesh::partOf(pelvis, p));
+  }
+  REQUIRE(input.bones.size() == 8);
+  const auto built = buildDomain(input, coarse(60000), run);
+  requireGood(built);
+  CHECK(built->report.mesher == "TetGen");
+  CHECK(built->report.wraps == 0);
+  CHECK(built->report.bonesLeftOut == 0);
+}
