@@ -10,6 +10,7 @@
 
 #include "support/environment.h"
 #include "support/output_files.h"
+#include "support/patience.h"
 #include "support/program.h"
 #include "support/running.h"
 #include "support/small_project.h"
@@ -98,7 +99,7 @@ class Bench {
   [[nodiscard]] bool noScratch() const { return fs::is_empty(project_.at("tmp")); }
   // Workers name their files, which lie in our own temporary folder
   [[nodiscard]] bool nobodyRuns() const {
-    const auto end = Clock::now() + std::chrono::seconds(5);
+    const auto end = Clock::now() + std::chrono::seconds(5 * test::kPatience);
     while (test::processesWith(project_.at("tmp").string()) > 0) {
       if (Clock::now() > end) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -10,6 +10,7 @@
 
 #include "support/environment.h"
 #include "support/paths.h"
+#include "support/patience.h"
 
 using namespace ecorche;
 namespace fs = std::filesystem;
@@ -60,7 +61,7 @@ TEST_CASE("a process that takes too long is stopped with all its children") {
   const auto end = shell("(sleep 1; touch " + mark + ") & sleep 30", {.timeout = 0.2});
   REQUIRE_FALSE(end);
   CHECK(end.error().code == ErrorCode::WorkerTimedOut);
-  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10 * test::kPatience));
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   CHECK_FALSE(fs::exists(mark));
 }
@@ -88,7 +89,7 @@ TEST_CASE("a child that closes its outputs is still waited for, one that lingers
   const auto lingering = shell("sleep 30 & exit 4");
   REQUIRE(lingering);
   CHECK(lingering->exitCode == 4);
-  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10 * test::kPatience));
 }
 
 TEST_CASE("cancelling stops a process") {

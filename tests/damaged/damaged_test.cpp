@@ -15,6 +15,7 @@
 
 #include "damaged/rows.h"
 #include "domain/soundness.h"
+#include "support/patience.h"
 
 using namespace ecorche;
 using namespace ecorche::domain;
@@ -54,8 +55,8 @@ using test::Made;
 using test::Row;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kTimeLimit =
-    240.0;  // of one row [s]; the slowest takes a tenth of it, where nothing else runs
+// Of one row [s]; the slowest takes a tenth of it, where nothing else runs
+constexpr double kTimeLimit = 240.0 * test::kPatience;
 constexpr std::int64_t kTets = 6000;
 // Coarser than usual, so that a hundred domains take no minutes
 constexpr double kTolerance = 0.004;

@@ -7,6 +7,7 @@
 
 #include "support/environment.h"
 #include "support/paths.h"
+#include "support/patience.h"
 #include "support/shapes.h"
 
 using namespace ecorche;
@@ -175,7 +176,7 @@ TEST_CASE("a cancel is answered at once while Mesh_3 works") {
   canceller.join();
   REQUIRE_FALSE(filled);
   CHECK(filled.error().code == ErrorCode::Cancelled);
-  CHECK(std::chrono::steady_clock::now() - cancelled < std::chrono::seconds(5));
+  CHECK(std::chrono::steady_clock::now() - cancelled < std::chrono::seconds(5 * test::kPatience));
 }
 
 TEST_CASE("files between us and the worker: read back as they were, refused where damaged") {

@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "support/paths.h"
+#include "support/patience.h"
 #include "whole/generated_anatomy.h"
 
 using namespace ecorche;
@@ -75,7 +76,7 @@ class Patience {
         }) {}
 
  private:
-  static constexpr int kSeconds = 120;
+  static constexpr int kSeconds = 120 * test::kPatience;
   std::mutex mutex_;
   std::condition_variable_any over_;
   std::jthread thread_;  // last: joined while the others live

@@ -53,7 +53,10 @@ bool CrossingWatch::allows(const SurfaceStep& step) const {
   for (const NewFace& face : step.after) after.push_back(face.corners);
   if (meeting(after, step, 1) == 0) return true;
   std::vector<FaceCorners> before;
-  for (const std::int32_t face : step.before) before.push_back(faces_[at(face)]);
+  // After a split the step takes away faces that were never laid
+  for (const std::int32_t face : step.before) {
+    if (tree_.holds(face)) before.push_back(faces_[at(face)]);
+  }
   const int now = meeting(before, step, std::numeric_limits<int>::max());
   return now > 0 && meeting(after, step, now + 1) <= now;
 }

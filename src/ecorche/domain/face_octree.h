@@ -20,6 +20,10 @@ class FaceOctree {
   void add(std::int32_t number, const mesh::Box& box);
   /// Nothing happens to numbers that are not in the tree.
   void remove(std::int32_t number);
+  [[nodiscard]] bool holds(std::int32_t number) const {
+    return static_cast<std::size_t>(number) < entries_.size() &&
+           entries_[static_cast<std::size_t>(number)].node >= 0;
+  }
 
   /// fn(number) for all whose boxes meet `box`, in no order, until one returns true.
   /// @return  whether one did
