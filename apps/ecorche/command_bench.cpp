@@ -24,7 +24,9 @@ struct BenchArguments {
   std::string project;
   std::vector<std::string> tets{"120k", "300k", "640k", "1.5M"};
   std::vector<double> factors{1024.0, 1000.0};
-  std::string size;  // of the domain that is scaled
+  std::string size;  // of the domain that is scaled, or built
+  std::string preview = "640k";
+  bool unsized = false;
 };
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
@@ -90,8 +92,8 @@ Json volumesJson(const std::vector<double>& volume,
   return out;
 }
 
-Json resolutionJson(const engine::ResolutionBench& bench) {
-  Json out = header("resolution");
+Json resolutionJson(const engine::ResolutionBench& bench, const char* name) {
+  Json out = header(name);
   const auto& finest = bench.cases.back();
   const auto change = [&](const std::vector<double>& now, const std::vector<double>& reference) {
     return muscleVolume(now, bench.tissues) / muscleVolume(reference, bench.tissues) - 1.0;
@@ -159,21 +161,40 @@ Result<void> runResolution(const BenchArguments& args, Session& session) {
   if (!project) return passOn(project);
   auto bench = engine::benchResolution(*project, tets, session.run);
   if (!bench) return passOn(bench);
-  fmt::print("{}",
-             session.globals.json ? resolutionJson(*bench).dump(2) + "\n" : resolutionText(*bench));
+  fmt::print("{}", session.globals.json ? resolutionJson(*bench, "resolution").dump(2) + "\n"
+                                        : resolutionText(*bench));
+  return {};
+}
+
+/// Nothing where the project's own is meant.
+Result<std::optional<std::int64_t>> sizeAskedFor(const BenchArguments& args) {
+  if (args.size.empty()) return std::optional<std::int64_t>();
+  auto count = parseCount(args.size);
+  if (!count) return passOn(count);
+  return *count;
+}
+
+Result<void> runPreview(const BenchArguments& args, Session& session) {
+  const auto preview = parseCount(args.preview);
+  if (!preview) return passOn(preview);
+  const auto tets = sizeAskedFor(args);
+  if (!tets) return passOn(tets);
+  auto project = model::loadProject(args.project);
+  if (!project) return passOn(project);
+  const auto sizing = args.unsized ? engine::Sizing::None : engine::Sizing::Curves;
+  auto bench = engine::benchPreview(*project, *preview, sizing, *tets, session.run);
+  if (!bench) return passOn(bench);
+  fmt::print("{}", session.globals.json ? resolutionJson(*bench, "preview").dump(2) + "\n"
+                                        : resolutionText(*bench));
   return {};
 }
 
 Result<void> runScale(const BenchArguments& args, Session& session) {
-  std::optional<std::int64_t> tets;
-  if (!args.size.empty()) {
-    auto count = parseCount(args.size);
-    if (!count) return passOn(count);
-    tets = *count;
-  }
+  const auto tets = sizeAskedFor(args);
+  if (!tets) return passOn(tets);
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
-  auto cases = engine::benchScale(*project, args.factors, tets, session.run);
+  auto cases = engine::benchScale(*project, args.factors, *tets, session.run);
   if (!cases) return passOn(cases);
   const auto tissues = engine::curveTissues(*project);
   Json json = header("scale");
@@ -218,6 +239,16 @@ void addBench(CLI::App& app, Commands& commands) {
       ->delimiter(',')
       ->expected(2, 20)
       ->capture_default_str();
+  CLI::App* preview = bench->add_subcommand(
+      "preview", "How much muscles differ between the domain of previews and that of builds");
+  preview->add_option("PROJECT", args->project, "Project file (.ecorche)")->required();
+  preview
+      ->add_option("--preview", args->preview,
+                   "Size of the preview's domain, which knows curves but not muscles")
+      ->capture_default_str();
+  preview->add_flag("--unsized", args->unsized,
+                    "The preview's domain does not know the curves either");
+  preview->add_option("--tets", args->size, "Size of the build's domain instead of the project's");
   CLI::App* scale = bench->add_subcommand(
       "scale", "How much volumes change when everything is multiplied by a factor");
   scale->add_option("PROJECT", args->project, "Project file (.ecorche)")->required();
@@ -229,8 +260,10 @@ void addBench(CLI::App& app, Commands& commands) {
   bench->footer(
       "Examples:\n"
       "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
+      "  ecorche bench preview hind-limb.ecorche --preview 640k --tets 640k\n"
       "  ecorche bench scale hind-limb.ecorche --tets 640k --json");
   commands.push_back({resolution, [args](Session& s) { return runResolution(*args, s); }});
+  commands.push_back({preview, [args](Session& s) { return runPreview(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
 }
 

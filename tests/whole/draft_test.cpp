@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "support/small_project.h"
 
@@ -71,4 +72,41 @@ TEST_CASE("the model times 1024 gets the same tets, draft and all") {
   if (!cases) FAIL(cases.error().text());
   CHECK(cases->at(0).sameTets);
   CHECK(cases->at(0).shareChange == 0.0);
+}
+
+TEST_CASE("a domain that does not know the curves is the same whatever is drawn") {
+  const test::SmallProject p;
+  auto project = model::loadProject(p.at("limb.ecorche"));
+  REQUIRE(project);
+  RunContext run;
+  const auto domainOf = [&](engine::Sizing sizing) {
+    auto prepared = engine::prepareDomain(*project, {.useCache = false, .sizing = sizing}, run);
+    if (!prepared) FAIL(prepared.error().text());
+    return std::move(prepared->build.domain.mesh);
+  };
+  const mesh::TetMesh before = domainOf(engine::Sizing::None);
+  const mesh::TetMesh known = domainOf(engine::Sizing::Curves);
+  project->tissues[0].curves[0].points[1].at.x() += 0.005;
+  const mesh::TetMesh after = domainOf(engine::Sizing::None);
+  CHECK(after.V == before.V);
+  CHECK(after.T == before.T);
+  const mesh::TetMesh moved = domainOf(engine::Sizing::Curves);
+  CHECK((moved.V.rows() != known.V.rows() || moved.V != known.V));
+}
+
+TEST_CASE("muscles of a preview are those of the build") {
+  const test::SmallProject p;
+  const auto project = model::loadProject(p.at("limb.ecorche"));
+  REQUIRE(project);
+  RunContext run;
+  // A domain that does not know the curves is coarse at both muscles' ends
+  const std::pair<engine::Sizing, double> limits[] = {{engine::Sizing::Curves, 0.03},
+                                                      {engine::Sizing::None, 0.06}};
+  for (const auto& [sizing, limit] : limits) {
+    const auto bench = engine::benchPreview(*project, 30000, sizing, 30000, run);
+    if (!bench) FAIL(bench.error().text());
+    REQUIRE(bench->cases.size() == 2);
+    CHECK(std::abs(static_cast<double>(bench->cases[0].tets) / 30000.0 - 1.0) < 0.2);
+    CHECK(bench->ours.largest < limit);
+  }
 }

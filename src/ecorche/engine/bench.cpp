@@ -53,25 +53,38 @@ Result<Solved> solve(const model::Project& project, ProjectMeshes meshes, double
   return out;
 }
 
-}  // namespace
-
-Result<ResolutionBench> benchResolution(const model::Project& project,
-                                        const std::vector<std::int64_t>& tets, RunContext& run) {
+Result<ResolutionBench> measured(const model::Project& project,
+                                 const std::vector<BuildOptions>& domains, RunContext& run) {
   if (auto sound = model::checkProject(project); !sound) return passOn(sound);
   ResolutionBench out;
   out.tissues = curveTissues(project);
-  for (const std::int64_t wanted : tets) {
-    auto prepared = prepareDomain(project, {.tets = wanted}, run);
+  for (const BuildOptions& options : domains) {
+    auto prepared = prepareDomain(project, options, run);
     if (!prepared) return passOn(prepared);
-    auto measured =
+    auto now =
         tissue::measureResolution(prepared->build.domain, out.tissues, tissueOptions(project), run);
-    if (!measured) return passOn(measured);
-    out.cases.push_back(std::move(*measured));
-    if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped between two resolutions");
+    if (!now) return passOn(now);
+    out.cases.push_back(std::move(*now));
+    if (run.cancelled()) return fail(ErrorCode::Cancelled, "stopped between two domains");
   }
   out.ours = tissue::volumeChange(out.cases, out.tissues, false, kLeastVolume);
   out.paper = tissue::volumeChange(out.cases, out.tissues, true, kLeastVolume);
   return out;
+}
+
+}  // namespace
+
+Result<ResolutionBench> benchResolution(const model::Project& project,
+                                        const std::vector<std::int64_t>& tets, RunContext& run) {
+  std::vector<BuildOptions> domains;
+  for (const std::int64_t wanted : tets) domains.push_back({.tets = wanted});
+  return measured(project, domains, run);
+}
+
+Result<ResolutionBench> benchPreview(const model::Project& project, std::int64_t preview,
+                                     Sizing sizing, std::optional<std::int64_t> tets,
+                                     RunContext& run) {
+  return measured(project, {{.tets = preview, .sizing = sizing}, {.tets = tets}}, run);
 }
 
 Result<std::vector<ScaleCase>> benchScale(const model::Project& project,

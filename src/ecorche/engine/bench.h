@@ -25,6 +25,16 @@ struct ResolutionBench {
                                                       const std::vector<std::int64_t>& tets,
                                                       RunContext& run);
 
+/// A domain to preview in against the build's: two cases, in that order, measured as above.
+/// @param preview  tets of the one
+/// @param sizing   of the one: curves as they stand, or none
+/// @param tets     of the other; unset: as the project says
+/// @errors  those of build; Cancelled
+[[nodiscard]] Result<ResolutionBench> benchPreview(const model::Project& project,
+                                                   std::int64_t preview, Sizing sizing,
+                                                   std::optional<std::int64_t> tets,
+                                                   RunContext& run);
+
 /// What becomes of volume shares when everything of a project, meshes and curves and radii, is
 /// multiplied by a factor.
 struct ScaleCase {

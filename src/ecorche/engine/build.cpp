@@ -34,10 +34,6 @@ Result<std::vector<domain::WantedLength>> wantedLengths(const model::Project& pr
                                                         Findings& findings, RunContext& run) {
   const auto tissues = curveTissues(project);
   auto lengths = lengthsFromDraft(input, how, tissues, tissueOptions(project), run);
-  if (lengths) {
-    const auto close = lengthsBetweenCurves(tissues, mesh::boundingBox(input.skin).diagonal());
-    lengths->insert(lengths->end(), close.begin(), close.end());
-  }
   if (lengths || meetsTheDomainToo(lengths.error().code)) return lengths;
   findings.push_back(
       {.severity = Severity::Warning,
@@ -66,7 +62,8 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
   input.obstacles = meshes.obstacles;
   input.cavities = meshes.cavities;
   input.cutPlanes = cutPlanes(project);
-  input.lengths = lengthsAlongCurves(curveTissues(project), meshes.skin);
+  if (options.sizing != Sizing::None)
+    input.lengths = lengthsAlongCurves(curveTissues(project), meshes.skin);
 
   domain::DomainOptions how;
   how.surfaceToleranceRel = project.settings.surfaceTolerance;
@@ -90,9 +87,16 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
        .kind = "estimate",
        .message = "before it began, the build was estimated to take " + estimate.text(),
        .size = static_cast<double>(estimate.memoryBytes)});
-  auto lengths = wantedLengths(project, input, how, findings, run);
-  if (!lengths) return passOn(lengths);
-  input.lengths = std::move(*lengths);
+  if (options.sizing == Sizing::Draft) {
+    auto lengths = wantedLengths(project, input, how, findings, run);
+    if (!lengths) return passOn(lengths);
+    input.lengths = std::move(*lengths);
+  }
+  if (options.sizing != Sizing::None) {
+    const auto close =
+        lengthsBetweenCurves(curveTissues(project), mesh::boundingBox(input.skin).diagonal());
+    input.lengths.insert(input.lengths.end(), close.begin(), close.end());
+  }
   auto built = domain::buildDomain(input, how, run);
   if (built) {
     auto& all = built->report.findings;

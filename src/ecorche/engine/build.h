@@ -17,13 +17,21 @@
 
 namespace ecorche::engine {
 
+/// What tets go by, beside walls.
+enum class Sizing {
+  Draft,   ///< muscles as a coarse domain has them
+  Curves,  ///< curves alone, nothing solved: for previews
+  None     ///< as before any curve was drawn
+};
+
 struct BuildOptions {
   std::optional<std::int64_t> tets;  ///< instead of the project's
   std::optional<double> edgeLength;  ///< instead of the project's [m]
   std::optional<double> alpha;       ///< the paper's row weight, for comparison [unitless]
   double mesherTimeout = 300.0;      ///< of each attempt to fill the domain with tets [s]
   bool useCache = true;              ///< look for the domain in the cache and leave it there
-  bool exact = false;                ///< envelope with raw places, see EnvelopeOptions::exact
+  Sizing sizing = Sizing::Draft;
+  bool exact = false;  ///< envelope with raw places, see EnvelopeOptions::exact
   /// Told what the build will take, once meshes are read and before anything is made of them.
   std::function<void(const Estimate&)> onEstimate;
 };
