@@ -91,6 +91,24 @@ TEST_CASE("everything is in the picture and touches its margin") {
   CHECK(touching >= 36);
 }
 
+TEST_CASE("what lies outside the given box, or is cut away, does not push the rest away") {
+  const Vector3 small(0.4, 0.4, 0.4);
+  const auto wanted = test::ball({0, 0, 0}, 0.3, 8);
+  const auto beside = test::ball({3, 0, 0}, 0.3, 8);
+  render::Scene alone;
+  alone.surfaces.push_back(test::item(wanted, {1.0f, 1.0f, 1.0f, 1.0f}));
+  render::Scene both = alone;
+  both.surfaces.push_back(test::item(beside, {1.0f, 1.0f, 1.0f, 1.0f}));
+  const auto view = parseView("left").value();
+  const auto eye = [&](const render::Scene& scene, const std::optional<mesh::Box>& within) {
+    return render::framed(view, {}, scene, 1.5, 0.05, within).eye;
+  };
+  CHECK(eye(both, mesh::Box{-small, small}) == eye(alone, {}));
+  CHECK(eye(both, {}).norm() > 2.0 * eye(alone, {}).norm());
+  both.clip = render::ClipPlane{.point = {1, 0, 0}, .normal = {-1, 0, 0}};
+  CHECK(eye(both, {}) == eye(alone, {}));
+}
+
 TEST_CASE("pixels of project() and of the matrix for OpenGL are the same") {
   render::Camera camera;
   camera.eye = {3.0, -2.0, 1.0};

@@ -236,15 +236,15 @@ Result<render::Image> drawPicture(const PictureModel& model, const PictureSettin
     addSlice(model, settings, visible, colours, scene);
   }
 
-  // Framed on the domain: half models and regions fill the picture although skin and bones are
-  // whole
+  // Framed on what is seen of the domain: half models and regions fill the picture although skin
+  // and bones are whole
   const mesh::Box box = model.tets && model.tets->V.rows() > 0
                             ? mesh::boundingBox(model.tets->V)
                             : mesh::boundingBox(*model.skin.mesh);
   const mesh::Box whole = mesh::boundingBox(*model.skin.mesh);
   const render::ModelAxes axes = render::guessedAxes(whole, settings.up);
-  const render::Camera camera =
-      render::framed(*view, axes, box, static_cast<double>(settings.width) / settings.height);
+  const double aspect = static_cast<double>(settings.width) / settings.height;
+  const render::Camera camera = render::framed(*view, axes, scene, aspect, 0.03, box);
   render::PictureOptions how;
   how.width = settings.width;
   how.height = settings.height;

@@ -198,11 +198,13 @@ Camera framed(const View& view, const ModelAxes& axes, const mesh::Box& box, dou
 }
 
 Camera framed(const View& view, const ModelAxes& axes, const Scene& scene, double aspect,
-              double margin) {
+              double margin, const std::optional<mesh::Box>& within) {
   const auto points = [&](const auto& visit) {
-    if (!scene.clip) return visitPoints(scene, visit);
     visitPoints(scene, [&](const Vector3& p) {
-      if (scene.clip->normal.dot(p - scene.clip->point) >= 0.0) visit(p);
+      if (scene.clip && scene.clip->normal.dot(p - scene.clip->point) < 0.0) return;
+      if (within && ((p - within->lo).minCoeff() < 0.0 || (within->hi - p).minCoeff() < 0.0))
+        return;
+      visit(p);
     });
   };
   return framedPoints(view, axes, points, aspect, margin);

@@ -37,8 +37,10 @@ struct View {
 /// @param aspect  width over height of the picture
 [[nodiscard]] Camera framed(const View& view, const ModelAxes& axes, const mesh::Box& box,
                             double aspect, double margin = 0.05);
+/// What a clip takes away does not count, nor what lies outside `within`.
 [[nodiscard]] Camera framed(const View& view, const ModelAxes& axes, const Scene& scene,
-                            double aspect, double margin = 0.05);
+                            double aspect, double margin = 0.05,
+                            const std::optional<mesh::Box>& within = {});
 
 /// Axes that suit a box when nobody says: up as given, forward along the longer of the other two
 /// sides.
