@@ -10,10 +10,6 @@ namespace ecorche::test {
 
 namespace {
 
-SurfaceMesh ball(const Vector3& at, double radius, const char* name) {
-  return egg(at, {radius, radius, radius}, 3, name);
-}
-
 /// Two bones end to end whose boxes share this share of a bone's length.
 std::vector<SurfaceMesh> interpenetrating(double share) {
   const double half = 0.05;
@@ -31,28 +27,21 @@ SurfaceMesh block(const Vector3& lo, const Vector3& hi, const char* name) {
 }  // namespace
 
 std::vector<Row> boneRows() {
-  std::vector<Row> rows;
-  const auto row = [&](std::string name, std::function<Made()> make,
-                       std::vector<std::string> told = {}, double slack = 0.0) {
-    rows.push_back({std::move(name), std::move(make), std::nullopt, std::move(told), slack});
-  };
-  const auto refused = [&](std::string name, std::function<Made()> make, ErrorCode code) {
-    rows.push_back({std::move(name), std::move(make), code, {}});
-  };
+  RowList rows;
 
   // The state of one bone
-  row("bone inside out",
-      [] {
-        return withBones({insideOut(goodHumerus()), goodUlna()}, {goodHumerus(), goodUlna()});
-      },
-      {"inward"});
-  row("bone half turned",
-      [] {
-        return withBones({flipped(goodHumerus(), 0.5, 21), goodUlna()},
-                         {goodHumerus(), goodUlna()});
-      },
-      {"inconsistent-orientation", "inward"});
-  row(
+  rows.add("bone inside out",
+           [] {
+             return withBones({insideOut(goodHumerus()), goodUlna()}, {goodHumerus(), goodUlna()});
+           },
+           {"inward"});
+  rows.add("bone half turned",
+           [] {
+             return withBones({flipped(goodHumerus(), 0.5, 21), goodUlna()},
+                              {goodHumerus(), goodUlna()});
+           },
+           {"inconsistent-orientation", "inward"});
+  rows.add(
       "bone open at one end",
       [] {
         return withBones(
@@ -60,61 +49,61 @@ std::vector<Row> boneRows() {
             {goodHumerus(), goodUlna()});
       },
       {"hole"}, 2e-6);
-  row("bone of loose triangles",
-      [] {
-        return withBones({exploded(goodHumerus(), 0.0, 22), goodUlna()},
-                         {goodHumerus(), goodUlna()});
-      },
-      {"duplicate-vertices"});
-  row(
+  rows.add("bone of loose triangles",
+           [] {
+             return withBones({exploded(goodHumerus(), 0.0, 22), goodUlna()},
+                              {goodHumerus(), goodUlna()});
+           },
+           {"duplicate-vertices"});
+  rows.add(
       "bone in two patches, 0.1 mm apart",
       [] {
         return withBones({cracked(goodHumerus(), 0.05, 1e-4), goodUlna()},
                          {goodHumerus(), goodUlna()});
       },
       {"hole", "wrapped"}, 5e-7);
-  row(
+  rows.add(
       "bone riddled with holes",
       [] {
         return withBones({riddled(goodHumerus(), 0.1, 23), goodUlna()},
                          {goodHumerus(), goodUlna()});
       },
       {"hole", "non-manifold", "self-intersections", "wrapped"}, 2e-6);
-  row("bone every face twice",
-      [] {
-        return withBones({doubled(goodHumerus(), 1.0, true, 24), goodUlna()},
-                         {goodHumerus(), goodUlna()});
-      },
-      {"duplicate-faces"});
-  row(
+  rows.add("bone every face twice",
+           [] {
+             return withBones({doubled(goodHumerus(), 1.0, true, 24), goodUlna()},
+                              {goodHumerus(), goodUlna()});
+           },
+           {"duplicate-faces"});
+  rows.add(
       "bone with noise of 1 mm",
       [] {
         return withBones({noisy(goodHumerus(), 1e-3, 25), goodUlna()},
                          {noisy(goodHumerus(), 1e-3, 25), goodUlna()});
       },
       {}, 5e-7);
-  row("bone of 80,000 faces", [] {
+  rows.add("bone of 80,000 faces", [] {
     return withBones({subdivided(goodHumerus(), 3), goodUlna()}, {goodHumerus(), goodUlna()});
   });
-  row("bone of 20 faces", [] {
+  rows.add("bone of 20 faces", [] {
     const SurfaceMesh coarse = egg({0, 0, 0.06}, {0.018, 0.016, 0.05}, 0, "humerus");
     return withBones({coarse, goodUlna()});
   });
-  row(
+  rows.add(
       "bone as one open sheet",
       [] {
         SurfaceMesh sheet = without(goodHumerus(), [](const Vector3& p) { return p.x() < 0.004; });
         return withBones({sheet, goodUlna()}, {goodUlna()});
       },
       {"hole", "wrapped"}, 2e-6);
-  row("bone with crumbs",
-      [] {
-        return withBones(
-            {withCrumbs(goodHumerus(), 50, 5e-5, {0.03, 0, 0.05}, 0.004, 26), goodUlna()},
-            {goodHumerus(), goodUlna()});
-      },
-      {"speck"});
-  refused(
+  rows.add("bone with crumbs",
+           [] {
+             return withBones(
+                 {withCrumbs(goodHumerus(), 50, 5e-5, {0.03, 0, 0.05}, 0.004, 26), goodUlna()},
+                 {goodHumerus(), goodUlna()});
+           },
+           {"speck"});
+  rows.refuse(
       "bone with a vertex that is no number",
       [] {
         SurfaceMesh m = goodHumerus();
@@ -122,7 +111,7 @@ std::vector<Row> boneRows() {
         return withBones({m, goodUlna()});
       },
       ErrorCode::NonFiniteVertex);
-  refused(
+  rows.refuse(
       "bone without faces",
       [] {
         SurfaceMesh m = goodHumerus();
@@ -130,7 +119,7 @@ std::vector<Row> boneRows() {
         return withBones({m, goodUlna()});
       },
       ErrorCode::MeshWithoutFaces);
-  row(
+  rows.add(
       "bone of a thousand pieces",
       [] {
         std::vector<SurfaceMesh> pieces;
@@ -146,109 +135,110 @@ std::vector<Row> boneRows() {
 
   // Bones among one another
   for (const int percent : {1, 3, 5, 10, 20, 30}) {
-    row(fmt::format("bones in one another by {} %", percent),
-        [=] { return withBones(interpenetrating(percent / 100.0)); }, {"united"});
+    rows.add(fmt::format("bones in one another by {} %", percent),
+             [=] { return withBones(interpenetrating(percent / 100.0)); }, {"united"});
   }
-  row("bones that touch in a point", [] { return withBones(interpenetrating(0.0)); });
-  row("bones that share a face",
-      [] {
-        return withBones({block({-0.015, -0.015, 0}, {0.015, 0.015, 0.06}, "humerus"),
-                          block({-0.015, -0.015, -0.06}, {0.015, 0.015, 0}, "ulna")});
-      },
-      {"united"});
-  row("bones that share part of a face",
-      [] {
-        return withBones({block({-0.015, -0.015, 0}, {0.015, 0.015, 0.06}, "humerus"),
-                          block({-0.01, -0.012, -0.06}, {0.012, 0.01, 0}, "ulna")});
-      },
-      {"united"});
-  row("bones that share an edge",
-      [] {
-        return withBones({block({-0.015, -0.01, 0}, {0, 0.01, 0.06}, "humerus"),
-                          block({0, -0.01, -0.06}, {0.015, 0.01, 0}, "ulna")});
-      },
-      {"united"});
-  row("bones 2 µm apart", [] {
+  rows.add("bones that touch in a point", [] { return withBones(interpenetrating(0.0)); });
+  rows.add("bones that share a face",
+           [] {
+             return withBones({block({-0.015, -0.015, 0}, {0.015, 0.015, 0.06}, "humerus"),
+                               block({-0.015, -0.015, -0.06}, {0.015, 0.015, 0}, "ulna")});
+           },
+           {"united"});
+  rows.add("bones that share part of a face",
+           [] {
+             return withBones({block({-0.015, -0.015, 0}, {0.015, 0.015, 0.06}, "humerus"),
+                               block({-0.01, -0.012, -0.06}, {0.012, 0.01, 0}, "ulna")});
+           },
+           {"united"});
+  rows.add("bones that share an edge",
+           [] {
+             return withBones({block({-0.015, -0.01, 0}, {0, 0.01, 0.06}, "humerus"),
+                               block({0, -0.01, -0.06}, {0.015, 0.01, 0}, "ulna")});
+           },
+           {"united"});
+  rows.add("bones 2 µm apart", [] {
     return withBones({block({-0.015, -0.015, 1e-6}, {0.015, 0.015, 0.06}, "humerus"),
                       block({-0.015, -0.015, -0.06}, {0.015, 0.015, -1e-6}, "ulna")});
   });
-  row("the same bone twice",
-      [] {
-        SurfaceMesh again = goodHumerus();
-        again.name = "humerus again";
-        return withBones({goodHumerus(), again, goodUlna()});
-      },
-      {"united"});
-  row("the same bone twice, the second a little larger",
-      [] {
-        SurfaceMesh again = scaled(goodHumerus(), 1.001);
-        again.name = "humerus again";
-        return withBones({goodHumerus(), again, goodUlna()});
-      },
-      {"united"});
-  row("spongy bone in compact bone",
-      [] {
-        SurfaceMesh spongy = scaled(goodHumerus(), 0.8);
-        spongy.name = "spongy";
-        return withBones({goodHumerus(), spongy, goodUlna()});
-      },
-      {"united"});
-  row("spongy bone in the hollow of compact bone",
-      [] {
-        SurfaceMesh spongy = scaled(goodHumerus(), 0.75);
-        spongy.name = "spongy";
-        return withBones(
-            {together({goodHumerus(), insideOut(scaled(goodHumerus(), 0.8))}, "humerus"), spongy,
-             goodUlna()},
-            {goodHumerus(), goodUlna()});
-      },
-      {"cavity", "closed-pocket"});
-  row("fifty bones in a heap",
-      [] {
-        std::vector<SurfaceMesh> bones;
-        for (int k = 0; k < 50; ++k) {
-          const Vector3 at(0.016 * std::cos(2.4 * k), 0.016 * std::sin(2.4 * k), 0.002 * k - 0.05);
-          bones.push_back(ball(at, 0.0072 + 0.0003 * (k % 5), ""));
-          bones.back().name = fmt::format("carpal {}", k + 1);
-        }
-        return withBones(bones);
-      },
-      {"united"});
+  rows.add("the same bone twice",
+           [] {
+             SurfaceMesh again = goodHumerus();
+             again.name = "humerus again";
+             return withBones({goodHumerus(), again, goodUlna()});
+           },
+           {"united"});
+  rows.add("the same bone twice, the second a little larger",
+           [] {
+             SurfaceMesh again = scaled(goodHumerus(), 1.001);
+             again.name = "humerus again";
+             return withBones({goodHumerus(), again, goodUlna()});
+           },
+           {"united"});
+  rows.add("spongy bone in compact bone",
+           [] {
+             SurfaceMesh spongy = scaled(goodHumerus(), 0.8);
+             spongy.name = "spongy";
+             return withBones({goodHumerus(), spongy, goodUlna()});
+           },
+           {"united"});
+  rows.add("spongy bone in the hollow of compact bone",
+           [] {
+             SurfaceMesh spongy = scaled(goodHumerus(), 0.75);
+             spongy.name = "spongy";
+             return withBones(
+                 {together({goodHumerus(), insideOut(scaled(goodHumerus(), 0.8))}, "humerus"),
+                  spongy, goodUlna()},
+                 {goodHumerus(), goodUlna()});
+           },
+           {"cavity", "closed-pocket"});
+  rows.add("fifty bones in a heap",
+           [] {
+             std::vector<SurfaceMesh> bones;
+             for (int k = 0; k < 50; ++k) {
+               const Vector3 at(0.016 * std::cos(2.4 * k), 0.016 * std::sin(2.4 * k),
+                                0.002 * k - 0.05);
+               bones.push_back(ball(at, 0.0072 + 0.0003 * (k % 5), ""));
+               bones.back().name = fmt::format("carpal {}", k + 1);
+             }
+             return withBones(bones);
+           },
+           {"united"});
 
   // Bones and the skin
-  row("bone halfway out",
-      [] {
-        return withBones({moved(goodHumerus(), {0.045, 0, 0}), goodUlna()});
-      },
-      {"pokes-out"});
-  row("bone right through",
-      [] {
-        return withBones({egg({0, 0, 0.03}, {0.08, 0.01, 0.01}, 3, "spear"), goodUlna()});
-      },
-      {"pokes-out"});
-  row("bone a hair out of the skin",
-      [] {
-        return withBones({egg({0.0302, 0, 0}, {0.02, 0.012, 0.03}, 4, "rib"), goodUlna()});
-      },
-      {"pokes-out"});
-  row("bone outside",
-      [] {
-        return withBones({moved(goodHumerus(), {0.2, 0, 0}), goodUlna()});
-      },
-      {"outside-skin"});
-  refused(
+  rows.add("bone halfway out",
+           [] {
+             return withBones({moved(goodHumerus(), {0.045, 0, 0}), goodUlna()});
+           },
+           {"pokes-out"});
+  rows.add("bone right through",
+           [] {
+             return withBones({egg({0, 0, 0.03}, {0.08, 0.01, 0.01}, 3, "spear"), goodUlna()});
+           },
+           {"pokes-out"});
+  rows.add("bone a hair out of the skin",
+           [] {
+             return withBones({egg({0.0302, 0, 0}, {0.02, 0.012, 0.03}, 4, "rib"), goodUlna()});
+           },
+           {"pokes-out"});
+  rows.add("bone outside",
+           [] {
+             return withBones({moved(goodHumerus(), {0.2, 0, 0}), goodUlna()});
+           },
+           {"outside-skin"});
+  rows.refuse(
       "all bones outside",
       [] {
         return withBones({moved(goodHumerus(), {0.2, 0, 0}), moved(goodUlna(), {0.2, 0, 0})});
       },
       ErrorCode::BonesOutsideSkin);
-  refused(
+  rows.refuse(
       "bone around the skin",
       [] {
         return withBones({egg({0, 0, 0}, {0.1, 0.1, 0.2}, 3, "shell")});
       },
       ErrorCode::EmptyDomain);
-  refused(
+  rows.refuse(
       "bone that is the skin",
       [] {
         SurfaceMesh m = goodSkin();
@@ -256,15 +246,15 @@ std::vector<Row> boneRows() {
         return withBones({m});
       },
       ErrorCode::EmptyDomain);
-  refused(
+  rows.refuse(
       "bone that cuts the tissue off from the skin",
       [] {
         return withBones(
             {together({scaled(goodSkin(), 0.9), insideOut(scaled(goodSkin(), 0.8))}, "armour")});
       },
       ErrorCode::ComponentWithoutSkin);
-  row("no bones", [] { return withBones({}); });
-  return rows;
+  rows.add("no bones", [] { return withBones({}); });
+  return std::move(rows.rows);
 }
 
 }  // namespace ecorche::test

@@ -68,6 +68,10 @@ SurfaceMesh egg(const Vector3& centre, const Vector3& axes, int levels, const ch
   return m;
 }
 
+SurfaceMesh ball(const Vector3& centre, double radius, const char* name) {
+  return egg(centre, {radius, radius, radius}, 3, name);
+}
+
 SurfaceMesh ringedEgg(const Vector3& centre, const Vector3& axes, int rings, int segments,
                       const char* name) {
   SurfaceMesh m;

@@ -18,6 +18,7 @@ using Place = std::function<bool(const Vector3&)>;
 /// Half axes along x, y, z about a centre; `levels` as for sphere.
 [[nodiscard]] SurfaceMesh egg(const Vector3& centre, const Vector3& axes, int levels,
                               const char* name);
+[[nodiscard]] SurfaceMesh ball(const Vector3& centre, double radius, const char* name);
 
 /// The same shape of rings about z; with an odd number of rings one lies at the centre's height.
 [[nodiscard]] SurfaceMesh ringedEgg(const Vector3& centre, const Vector3& axes, int rings,

@@ -29,6 +29,22 @@ struct Row {
   double sizeRel = 1.0;  ///< of the whole thing against a limb of 30 cm
 };
 
+/// Rows in the making.
+struct RowList {
+  std::vector<Row> rows;
+
+  /// One that becomes a valid domain.
+  void add(std::string name, std::function<Made()> make, std::vector<std::string> told = {},
+           double slack = 0.0, double sizeRel = 1.0) {
+    rows.push_back(
+        {std::move(name), std::move(make), std::nullopt, std::move(told), slack, sizeRel});
+  }
+  /// One that ends in an error.
+  void refuse(std::string name, std::function<Made()> make, ErrorCode code) {
+    rows.push_back({std::move(name), std::move(make), code, {}});
+  }
+};
+
 // The limb that is damaged: an egg of 10 × 9 × 30 cm around two bones, one above the other.
 [[nodiscard]] SurfaceMesh goodSkin();
 [[nodiscard]] SurfaceMesh goodHumerus();

@@ -35,95 +35,88 @@ SurfaceMesh withUnusedVertex(SurfaceMesh m, double x) {
 std::vector<Row> skinRows() {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  std::vector<Row> rows;
-  const auto row = [&](std::string name, std::function<Made()> make,
-                       std::vector<std::string> told = {}, double slack = 0.0) {
-    rows.push_back({std::move(name), std::move(make), std::nullopt, std::move(told), slack});
-  };
-  const auto refused = [&](std::string name, std::function<Made()> make, ErrorCode code) {
-    rows.push_back({std::move(name), std::move(make), code, {}});
-  };
+  RowList rows;
 
-  row("nothing wrong", [] { return withSkin(goodSkin()); });
+  rows.add("nothing wrong", [] { return withSkin(goodSkin()); });
   // Sides
-  row("skin inside out", [] { return withSkin(insideOut(goodSkin())); }, {"inward"});
-  row("a third of the faces turned", [] { return withSkin(flipped(goodSkin(), 0.33, 1)); },
-      {"inconsistent-orientation", "inward"});
-  row("half of the faces turned", [] { return withSkin(flipped(goodSkin(), 0.5, 2)); },
-      {"inconsistent-orientation"});
+  rows.add("skin inside out", [] { return withSkin(insideOut(goodSkin())); }, {"inward"});
+  rows.add("a third of the faces turned", [] { return withSkin(flipped(goodSkin(), 0.33, 1)); },
+           {"inconsistent-orientation", "inward"});
+  rows.add("half of the faces turned", [] { return withSkin(flipped(goodSkin(), 0.5, 2)); },
+           {"inconsistent-orientation"});
   // Holes
-  row("hole of one face",
-      [] {
-        SurfaceMesh m = goodSkin();
-        m.F.conservativeResize(m.F.rows() - 1, 3);
-        return withSkin(m);
-      },
-      {"hole"});
-  row(
+  rows.add("hole of one face",
+           [] {
+             SurfaceMesh m = goodSkin();
+             m.F.conservativeResize(m.F.rows() - 1, 3);
+             return withSkin(m);
+           },
+           {"hole"});
+  rows.add(
       "hole of 1.5 cm", [] { return withSkin(without(goodSkin(), near(kFlank, 0.0045))); },
       {"hole", "non-manifold", "self-intersections"}, 1e-7);
-  refused(
+  rows.refuse(
       "hole of 6 cm", [] { return withSkin(without(goodSkin(), near(kFlank, 0.03))); },
       ErrorCode::SkinNotClosed);
-  refused(
+  rows.refuse(
       "open at the scan's end", [] { return withSkin(without(goodSkin(), above(0.12))); },
       ErrorCode::SkinNotClosed);
-  row(
+  rows.add(
       "3 % of the faces missing", [] { return withSkin(riddled(goodSkin(), 0.03, 3)); },
       {"hole", "non-manifold", "self-intersections"}, 5e-7);
   // Cracks
-  row("every face on its own", [] { return withSkin(exploded(goodSkin(), 0.0, 4)); },
-      {"duplicate-vertices"});
-  row("every face on its own, 1 µm off", [] { return withSkin(exploded(goodSkin(), 1e-6, 4)); },
-      {"crack"});
-  row("cut apart and put together again", [] { return withSkin(cracked(goodSkin(), 0.01, 0.0)); },
-      {"duplicate-vertices"});
-  row("a crack of 2 µm all around", [] { return withSkin(cracked(goodSkin(), 0.01, 2e-6)); },
-      {"crack"});
-  refused(
+  rows.add("every face on its own", [] { return withSkin(exploded(goodSkin(), 0.0, 4)); },
+           {"duplicate-vertices"});
+  rows.add("every face on its own, 1 µm off",
+           [] { return withSkin(exploded(goodSkin(), 1e-6, 4)); }, {"crack"});
+  rows.add("cut apart and put together again",
+           [] { return withSkin(cracked(goodSkin(), 0.01, 0.0)); }, {"duplicate-vertices"});
+  rows.add("a crack of 2 µm all around", [] { return withSkin(cracked(goodSkin(), 0.01, 2e-6)); },
+           {"crack"});
+  rows.refuse(
       "a crack of 1 mm all around", [] { return withSkin(cracked(goodSkin(), 0.01, 1e-3)); },
       ErrorCode::SkinNotClosed);
-  row("T-junctions", [] { return withSkin(withTJunctions(goodSkin(), 9)); }, {"t-junctions"});
+  rows.add("T-junctions", [] { return withSkin(withTJunctions(goodSkin(), 9)); }, {"t-junctions"});
   // Faces that should not be there
-  row("every face twice", [] { return withSkin(doubled(goodSkin(), 1.0, false, 5)); },
-      {"duplicate-faces"});
-  row("every face twice, back to back", [] { return withSkin(doubled(goodSkin(), 1.0, true, 5)); },
-      {"duplicate-faces"});
-  row("a tenth of the faces twice", [] { return withSkin(doubled(goodSkin(), 0.1, true, 6)); },
-      {"duplicate-faces"});
-  row("faces without area",
-      [] {
-        SurfaceMesh m = goodSkin();
-        const auto count = m.F.rows();
-        m.F.conservativeResize(count + 2, 3);
-        m.F.row(count) << m.F(0, 0), m.F(0, 1), m.F(0, 1);
-        m.F.row(count + 1) << m.F(5, 0), m.F(5, 0), m.F(5, 0);
-        return withSkin(m);
-      },
-      {"degenerate-faces"});
-  row("needles", [] { return withSkin(withNeedles(goodSkin(), 7)); });
-  row("crumbs around it",
-      [] {
-        return withSkin(withCrumbs(goodSkin(), 30, 1e-4, {0.1, 0, 0}, 0.02, 7));
-      },
-      {"speck"});
-  row("crumbs inside it",
-      [] {
-        return withSkin(withCrumbs(goodSkin(), 30, 1e-4, {0.03, 0, 0}, 0.005, 8));
-      },
-      {"speck"});
-  row("unused vertices", [] { return withSkin(withUnusedVertex(goodSkin(), 3.0)); },
-      {"unused-vertices"});
-  row("an unused vertex that is no number",
-      [] { return withSkin(withUnusedVertex(goodSkin(), kNaN)); }, {"unused-vertices"});
+  rows.add("every face twice", [] { return withSkin(doubled(goodSkin(), 1.0, false, 5)); },
+           {"duplicate-faces"});
+  rows.add("every face twice, back to back",
+           [] { return withSkin(doubled(goodSkin(), 1.0, true, 5)); }, {"duplicate-faces"});
+  rows.add("a tenth of the faces twice", [] { return withSkin(doubled(goodSkin(), 0.1, true, 6)); },
+           {"duplicate-faces"});
+  rows.add("faces without area",
+           [] {
+             SurfaceMesh m = goodSkin();
+             const auto count = m.F.rows();
+             m.F.conservativeResize(count + 2, 3);
+             m.F.row(count) << m.F(0, 0), m.F(0, 1), m.F(0, 1);
+             m.F.row(count + 1) << m.F(5, 0), m.F(5, 0), m.F(5, 0);
+             return withSkin(m);
+           },
+           {"degenerate-faces"});
+  rows.add("needles", [] { return withSkin(withNeedles(goodSkin(), 7)); });
+  rows.add("crumbs around it",
+           [] {
+             return withSkin(withCrumbs(goodSkin(), 30, 1e-4, {0.1, 0, 0}, 0.02, 7));
+           },
+           {"speck"});
+  rows.add("crumbs inside it",
+           [] {
+             return withSkin(withCrumbs(goodSkin(), 30, 1e-4, {0.03, 0, 0}, 0.005, 8));
+           },
+           {"speck"});
+  rows.add("unused vertices", [] { return withSkin(withUnusedVertex(goodSkin(), 3.0)); },
+           {"unused-vertices"});
+  rows.add("an unused vertex that is no number",
+           [] { return withSkin(withUnusedVertex(goodSkin(), kNaN)); }, {"unused-vertices"});
   // Numbers
-  refused(
+  rows.refuse(
       "a vertex that is no number", [] { return withSkin(withVertex(goodSkin(), kNaN)); },
       ErrorCode::NonFiniteVertex);
-  refused(
+  rows.refuse(
       "a vertex at infinity", [] { return withSkin(withVertex(goodSkin(), kInf)); },
       ErrorCode::NonFiniteVertex);
-  refused(
+  rows.refuse(
       "no faces",
       [] {
         SurfaceMesh m = goodSkin();
@@ -131,10 +124,10 @@ std::vector<Row> skinRows() {
         return withSkin(m);
       },
       ErrorCode::MeshWithoutFaces);
-  refused(
+  rows.refuse(
       "all vertices at one place", [] { return withSkin(scaled(goodSkin(), 0.0)); },
       ErrorCode::MeshWithoutFaces);
-  refused(
+  rows.refuse(
       "flat as a sheet of paper",
       [] {
         SurfaceMesh m = goodSkin();
@@ -143,70 +136,70 @@ std::vector<Row> skinRows() {
       },
       ErrorCode::SkinNotClosed);
   // Shape
-  row(
+  rows.add(
       "noise of 0.2 mm", [] { return withSkin(noisy(goodSkin(), 2e-4, 9)); }, {}, 2e-6);
-  row(
+  rows.add(
       "noise of 2 mm: it cuts itself",
       [] { return withSkin(noisy(goodSkin(), 2e-3, 10), noisy(goodSkin(), 2e-3, 10)); },
       {"self-intersections"}, 5e-6);
-  row("decimated to 80 faces", [] {
+  rows.add("decimated to 80 faces", [] {
     const SurfaceMesh m = egg({0, 0, 0}, {0.05, 0.045, 0.15}, 1, "skin");
     return withSkin(m, m);
   });
-  row("330,000 faces",
-      [] {
-        const SurfaceMesh m = subdivided(goodSkin(), 3);
-        return withSkin(m);
-      },
-      {"dense"});
-  row("a dent that comes out behind",
-      [] {
-        const SurfaceMesh m = pushed(goodSkin(), near(kFlank, 0.012), {-0.104, 0, 0});
-        return withSkin(m, m);
-      },
-      {"pokes-out", "self-intersections"});
-  row("a fold", [] {
+  rows.add("330,000 faces",
+           [] {
+             const SurfaceMesh m = subdivided(goodSkin(), 3);
+             return withSkin(m);
+           },
+           {"dense"});
+  rows.add("a dent that comes out behind",
+           [] {
+             const SurfaceMesh m = pushed(goodSkin(), near(kFlank, 0.012), {-0.104, 0, 0});
+             return withSkin(m, m);
+           },
+           {"pokes-out", "self-intersections"});
+  rows.add("a fold", [] {
     const SurfaceMesh m = pushed(goodSkin(), near(kFlank, 0.014), {-0.004, 0.0, 0.03});
     return withSkin(m, m);
   });
-  row("a pocket, as a mouth", [] {
+  rows.add("a pocket, as a mouth", [] {
     const SurfaceMesh m = pocketed(goodSkin(), kFlank, 0.018, 0.02);
     return withSkin(m, m);
   });
-  row("two halves through one another",
-      [] {
-        const SurfaceMesh a = egg({0, 0, 0.02}, {0.05, 0.045, 0.13}, 3, "skin");
-        const SurfaceMesh b = egg({0, 0, -0.021}, {0.049, 0.046, 0.13}, 3, "skin");
-        Made m = withSkin(together({a, b}, "skin"), together({a, b}, "skin"));
-        return m;
-      },
-      {"self-intersections"});
+  rows.add("two halves through one another",
+           [] {
+             const SurfaceMesh a = egg({0, 0, 0.02}, {0.05, 0.045, 0.13}, 3, "skin");
+             const SurfaceMesh b = egg({0, 0, -0.021}, {0.049, 0.046, 0.13}, 3, "skin");
+             Made m = withSkin(together({a, b}, "skin"), together({a, b}, "skin"));
+             return m;
+           },
+           {"self-intersections"});
   // Shells
-  row("an eyeball within",
-      [] {
-        return withSkin(
-            together({goodSkin(), egg({0.03, 0, 0}, {0.008, 0.008, 0.008}, 2, "eye")}, "skin"),
-            goodSkin());
-      },
-      {"inner-shell"});
-  row("two coats, one within the other",
-      [] {
-        return withSkin(together({goodSkin(), scaled(goodSkin(), 0.97)}, "skin"), goodSkin());
-      },
-      {"inner-shell"});
-  refused(
+  rows.add("an eyeball within",
+           [] {
+             return withSkin(
+                 together({goodSkin(), egg({0.03, 0, 0}, {0.008, 0.008, 0.008}, 2, "eye")}, "skin"),
+                 goodSkin());
+           },
+           {"inner-shell"});
+  rows.add("two coats, one within the other",
+           [] {
+             return withSkin(together({goodSkin(), scaled(goodSkin(), 0.97)}, "skin"), goodSkin());
+           },
+           {"inner-shell"});
+  rows.refuse(
       "a thick shell: the inside is hollow",
       [] {
         return withSkin(together({goodSkin(), insideOut(scaled(goodSkin(), 0.97))}, "skin"));
       },
       ErrorCode::BonesOutsideSkin);
-  row("a wall across the middle",
-      [] {
-        const SurfaceMesh m = ringedEgg({0, 0, 0}, {0.05, 0.045, 0.15}, 31, 32, "skin");
-        return withSkin(withInnerWall(m, 0.0), m);
-      },
-      {"inner-wall"});
-  row("a second body beside it", [] {
+  rows.add("a wall across the middle",
+           [] {
+             const SurfaceMesh m = ringedEgg({0, 0, 0}, {0.05, 0.045, 0.15}, 31, 32, "skin");
+             return withSkin(withInnerWall(m, 0.0), m);
+           },
+           {"inner-wall"});
+  rows.add("a second body beside it", [] {
     const SurfaceMesh both =
         together({goodSkin(), egg({0.2, 0, 0}, {0.02, 0.02, 0.02}, 3, "hat")}, "skin");
     return withSkin(both, both);
@@ -221,13 +214,13 @@ std::vector<Row> skinRows() {
     return out;
   };
   using mesh::Mending;
-  row(
+  rows.add(
       "hole of 6 cm, to be filled",
       [=] {
         return asked(without(goodSkin(), near(kFlank, 0.03)), goodSkin(), Mending::FillHoles);
       },
       {"hole"}, 1.5e-5);
-  row(
+  rows.add(
       "open at the scan's end, to be filled",
       [=] {
         // What is meant is cut off there
@@ -236,7 +229,7 @@ std::vector<Row> skinRows() {
         return out;
       },
       {"hole"}, 1e-5);
-  row(
+  rows.add(
       "open at the scan's end, to be wrapped",
       [=] {
         Made out = asked(without(goodSkin(), above(0.12)), goodSkin(), Mending::Wrap);
@@ -244,33 +237,33 @@ std::vector<Row> skinRows() {
         return out;
       },
       {"hole", "wrap"}, 2.5e-5);
-  row(
+  rows.add(
       "a crack of 1 mm all around, to be wrapped",
       [=] {
         return asked(cracked(goodSkin(), 0.01, 1e-3), cracked(goodSkin(), 0.01, 1e-3),
                      Mending::Wrap);
       },
       {"hole", "wrap"}, 2e-5);
-  row("a thick shell, to be taken from outside",
-      [=] {
-        return asked(together({goodSkin(), insideOut(scaled(goodSkin(), 0.97))}, "skin"),
-                     goodSkin(), Mending::OuterHull);
-      },
-      {"outer-hull"});
-  row(
+  rows.add("a thick shell, to be taken from outside",
+           [=] {
+             return asked(together({goodSkin(), insideOut(scaled(goodSkin(), 0.97))}, "skin"),
+                          goodSkin(), Mending::OuterHull);
+           },
+           {"outer-hull"});
+  rows.add(
       "noise and holes, to be wrapped",
       [=] {
         return asked(riddled(noisy(goodSkin(), 1e-3, 12), 0.05, 13), goodSkin(), Mending::Wrap);
       },
       {"hole", "non-manifold", "wrap"}, 3e-5);
-  row(
+  rows.add(
       "a skin with a wall of its own thickness, to be wrapped",
       [=] {
         return asked(together({goodSkin(), insideOut(scaled(goodSkin(), 0.97))}, "skin"),
                      goodSkin(), Mending::Wrap);
       },
       {"wrap"}, 2e-5);
-  return rows;
+  return std::move(rows.rows);
 }
 
 }  // namespace ecorche::test

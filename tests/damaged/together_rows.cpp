@@ -21,57 +21,44 @@ Made wholeIn(double factor) {
   });
 }
 
-SurfaceMesh ball(const Vector3& at, double radius, const char* name) {
-  return egg(at, {radius, radius, radius}, 3, name);
-}
-
 }  // namespace
 
 std::vector<Row> togetherRows() {
-  std::vector<Row> rows;
-  const auto row = [&](std::string name, std::function<Made()> make,
-                       std::vector<std::string> told = {}, double slack = 0.0,
-                       double sizeRel = 1.0) {
-    rows.push_back(
-        {std::move(name), std::move(make), std::nullopt, std::move(told), slack, sizeRel});
-  };
-  const auto refused = [&](std::string name, std::function<Made()> make, ErrorCode code) {
-    rows.push_back({std::move(name), std::move(make), code, {}});
-  };
+  RowList rows;
 
   // Units: what mixes metres with decimetres, inches, centimetres, millimetres
   for (const double factor : {10.0, 25.4, 100.0, 1000.0}) {
-    refused(
+    rows.refuse(
         fmt::format("bones {} times too large", factor),
         [=] {
           return withBones({inUnits(goodHumerus(), factor), inUnits(goodUlna(), factor)});
         },
         ErrorCode::UnitsDiffer);
     // That could be meant, so it is told and done
-    row(
+    rows.add(
         fmt::format("skin {} times too large", factor),
         [=] { return withSkin(inUnits(goodSkin(), factor), inUnits(goodSkin(), factor)); },
         {"units"}, 0.0);
-    refused(
+    rows.refuse(
         fmt::format("one bone {} times too large", factor),
         [=] {
           return withBones({inUnits(goodHumerus(), factor), goodUlna()});
         },
         ErrorCode::UnitsDiffer);
   }
-  row("one bone 1000 times too small",
-      [] {
-        return withBones({inUnits(goodHumerus(), 1e-3), goodUlna()});
-      },
-      {"units"});
-  row("a sesamoid bone of 3 mm: small, and no fault", [] {
+  rows.add("one bone 1000 times too small",
+           [] {
+             return withBones({inUnits(goodHumerus(), 1e-3), goodUlna()});
+           },
+           {"units"});
+  rows.add("a sesamoid bone of 3 mm: small, and no fault", [] {
     return withBones({goodHumerus(), goodUlna(), ball({0.03, 0, 0}, 0.0015, "sesamoid")});
   });
-  row(
+  rows.add(
       "all in micrometres", [] { return wholeIn(1e-6); }, {}, 0.0, 1e-6);
-  row(
+  rows.add(
       "all in kilometres", [] { return wholeIn(1e3); }, {}, 0.0, 1e3);
-  row("10 km from the origin", [] {
+  rows.add("10 km from the origin", [] {
     return limb([](domain::DomainInput& in) {
       in.skin = moved(in.skin, {1e4, -1e4, 1e4});
       for (auto& bone : in.bones) bone = moved(bone, {1e4, -1e4, 1e4});
@@ -79,25 +66,26 @@ std::vector<Row> togetherRows() {
   });
 
   // Cut planes
-  row("cut in half through vertices", [] {
+  rows.add("cut in half through vertices", [] {
     return limb([](domain::DomainInput& in) { in.cutPlanes = {{"half", {0, 0, 0}, {1, 0, 0}}}; });
   });
-  row("cut aslant in three", [] {
+  rows.add("cut aslant in three", [] {
     return limb([](domain::DomainInput& in) {
       in.cutPlanes = {{"a", {0, 0, 0.05}, Vector3(1, 2, -3).normalized()},
                       {"b", {0, 0, -0.05}, Vector3(0.1, 0, 1).normalized()}};
     });
   });
-  row("open at the scan's end, and cut before it",
-      [] {
-        Made out = limb([](domain::DomainInput& in) {
-          in.cutPlanes = {{"end", {0, 0, 0.1}, {0, 0, -1}}};
-        });
-        out.input.skin = without(out.input.skin, [](const Vector3& p) { return p.z() > 0.125; });
-        return out;
-      },
-      {"hole"});
-  refused(
+  rows.add("open at the scan's end, and cut before it",
+           [] {
+             Made out = limb([](domain::DomainInput& in) {
+               in.cutPlanes = {{"end", {0, 0, 0.1}, {0, 0, -1}}};
+             });
+             out.input.skin =
+                 without(out.input.skin, [](const Vector3& p) { return p.z() > 0.125; });
+             return out;
+           },
+           {"hole"});
+  rows.refuse(
       "cut plane beyond everything",
       [] {
         return limb([](domain::DomainInput& in) {
@@ -105,7 +93,7 @@ std::vector<Row> togetherRows() {
         });
       },
       ErrorCode::EmptyDomain);
-  refused(
+  rows.refuse(
       "cut plane that leaves no bone and no skin but a film",
       [] {
         return limb([](domain::DomainInput& in) {
@@ -115,21 +103,21 @@ std::vector<Row> togetherRows() {
       ErrorCode::EmptyDomain);
 
   // Obstacles and cavities
-  row("an obstacle and a cavity", [] {
+  rows.add("an obstacle and a cavity", [] {
     return limb([](domain::DomainInput& in) {
       in.obstacles = {ball({0.03, 0, 0}, 0.008, "ligament")};
       in.cavities = {ball({-0.03, 0, 0}, 0.008, "vein")};
     });
   });
-  row("an obstacle in a bone and a cavity that comes out of the skin",
-      [] {
-        return limb([](domain::DomainInput& in) {
-          in.obstacles = {ball({0.018, 0, 0.06}, 0.008, "ligament")};
-          in.cavities = {ball({-0.045, 0, 0}, 0.012, "wound")};
-        });
-      },
-      {"pokes-out", "united"});
-  row(
+  rows.add("an obstacle in a bone and a cavity that comes out of the skin",
+           [] {
+             return limb([](domain::DomainInput& in) {
+               in.obstacles = {ball({0.018, 0, 0.06}, 0.008, "ligament")};
+               in.cavities = {ball({-0.045, 0, 0}, 0.012, "wound")};
+             });
+           },
+           {"pokes-out", "united"});
+  rows.add(
       "an open obstacle",
       [] {
         Made out = limb([](domain::DomainInput& in) {
@@ -140,14 +128,14 @@ std::vector<Row> togetherRows() {
         return out;
       },
       {"hole", "wrapped"}, 3e-7);
-  row("a cavity outside",
-      [] {
-        return limb([](domain::DomainInput& in) {
-          in.cavities = {ball({-0.2, 0, 0}, 0.012, "nothing")};
-        });
-      },
-      {"outside-skin"});
-  refused(
+  rows.add("a cavity outside",
+           [] {
+             return limb([](domain::DomainInput& in) {
+               in.cavities = {ball({-0.2, 0, 0}, 0.012, "nothing")};
+             });
+           },
+           {"outside-skin"});
+  rows.refuse(
       "a cavity that takes everything",
       [] {
         return limb([](domain::DomainInput& in) {
@@ -157,7 +145,7 @@ std::vector<Row> togetherRows() {
       ErrorCode::EmptyDomain);
 
   // Everything at once
-  row(
+  rows.add(
       "turned, doubled, exploded and poked through, all at once",
       [] {
         Made out{goodLimb(), goodLimb(), {}};
@@ -170,7 +158,7 @@ std::vector<Row> togetherRows() {
       {"duplicate-faces", "duplicate-vertices", "hole", "inconsistent-orientation", "inward",
        "non-manifold", "pokes-out", "self-intersections"},
       5e-7);
-  return rows;
+  return std::move(rows.rows);
 }
 
 }  // namespace ecorche::test
