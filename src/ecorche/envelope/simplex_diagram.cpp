@@ -189,6 +189,9 @@ bool addOvertaking(const FieldMatrix& fields, const Candidates& candidates, Cand
 std::vector<std::int32_t> ownersBetween(const FieldMatrix& fields, const Candidates& candidates,
                                         const Edge& edge, std::int32_t i, std::int32_t j) {
   const Candidates::Columns out = candidates.outOnEdge(edge[0], edge[1]);
+  // Struck in every tet around the edge, yet on top at an end: all of those tets are conflicts and
+  // will be cut anew. The two need not even cross here.
+  if (contains(out, i) || contains(out, j)) return {};
   std::vector<std::int32_t> between;
   for (std::int32_t current = i; current != j;) {
     // Of all fields that are above the current one at b, the one that passes it first
