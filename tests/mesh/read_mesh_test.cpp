@@ -331,6 +331,16 @@ TEST_CASE("broken PLY files name the line where there are lines") {
            {"a.ply", head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 0.5\n", ErrorCode::FileSyntax, 13},
            {"a.ply", head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", ErrorCode::FileSyntax, 13},
            {"a.ply", head + "0 0 0\n1 0 0\n0 1 0\nnan\n", ErrorCode::FileSyntax, 13},
+           // Vertices that are announced and never come
+           {"a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nelement face 1\nproperty list uchar int "
+            "vertex_indices\nend_header\n3 0 1 2\n",
+            ErrorCode::FileSyntax, 6},
+           {"a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float "
+            "y\nproperty float z\nelement vertex 3\nproperty float x\nelement face 1\nproperty "
+            "list uchar int vertex_indices\nend_header\n0 0 0\n1\n2\n3\n3 0 1 2\n",
+            ErrorCode::FileSyntax, 16},
            {"a.ply", head.substr(0, 60), ErrorCode::FileTruncated, 5},
            {"a.ply", "ply\nformat utf8 1.0\nend_header\n", ErrorCode::FileSyntax, 2},
            {"a.ply", "ply\nelement vertex 0\nend_header\n", ErrorCode::FileSyntax, 3},

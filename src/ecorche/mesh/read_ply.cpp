@@ -189,15 +189,13 @@ class BodyReader {
  public:
   BodyReader(const Header& header, Source source, const std::string& file, RunContext& run)
       : header_(header), source_(std::move(source)), file_(file), run_(run) {
-    for (const Element& element : header.elements) {
-      if (element.name == "vertex") vertexCount_ = element.count;
-    }
+    const auto vertices = std::ranges::find(header.elements, "vertex", &Element::name);
+    if (vertices != header.elements.end()) vertexCount_ = vertices->count;
   }
 
   Result<SurfaceMesh> read() {
     bool haveVertices = false;
     for (const Element& element : header_.elements) {
-      if (element.properties.empty()) continue;
       Slots slots;
       if (element.name == "vertex" && !std::exchange(haveVertices, true)) {
         slots.xyz = {find(element, "x"), find(element, "y"), find(element, "z")};
@@ -206,6 +204,8 @@ class BodyReader {
               source_.fault(ErrorCode::FileSyntax, "the vertices have no x, y and z"));
         }
         soup_.xyz.reserve(3 * believable(element));
+      } else if (element.properties.empty()) {
+        continue;
       } else if (element.name == "face") {
         slots.corners =
             std::max(find(element, "vertex_indices", true), find(element, "vertex_index", true));
