@@ -138,6 +138,7 @@ TEST_CASE("a line that is no command says what is wrong with which word") {
       {"point.move biceps 1 1 0,0",
        "23: \"0,0\" is not x,y,z; write: point.move MUSCLE CURVE POINT X,Y,Z"},
       {"curve.add biceps", "17: X,Y,Z is missing"},
+      {"curve.add biceps end=bone:radius here", "34: \"here\" is not x,y,z"},
       {"curve.add biceps 0,0,0 0,0,1 tissue=1,2,3", "30: \"1,2,3\" is not one tissue value or 2"},
       {"curve.end biceps 1 skull", "20: \"skull\" is not bone:NAME"},
       {"muscle.colour biceps red", "22: \"red\" is not a colour"},

@@ -115,9 +115,9 @@ class Parser {
     out = *known;
   }
   void points(std::vector<ControlPoint>& out) {
-    while (!error && here_ < tokens_.size() && tokens_[here_].key.empty())
+    do {
       vector("X,Y,Z", out.emplace_back().at);
-    if (out.empty()) next("X,Y,Z");
+    } while (!error && atWord());
     const Token* t = keyed("tissue");
     if (t == nullptr) return;
     const std::vector<std::string> parts = split(t->text);
@@ -177,10 +177,14 @@ class Parser {
     give(fmt::format("\"{}\" is not {}; write: {}", t.text, wanted, usage_), t.column);
   }
 
-  const Token* next(const char* what) {
+  // Keys may stand anywhere between words
+  bool atWord() {
     while (here_ < tokens_.size() && !tokens_[here_].key.empty()) ++here_;
+    return here_ < tokens_.size();
+  }
+  const Token* next(const char* what) {
     if (error) return nullptr;
-    if (here_ == tokens_.size()) {
+    if (!atWord()) {
       give(fmt::format("{} is missing; write: {}", what, usage_), end_);
       return nullptr;
     }
