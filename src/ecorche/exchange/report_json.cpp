@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace ecorche::exchange {
 
@@ -60,6 +61,22 @@ Json findingJson(const Finding& f) {
   return j;
 }
 
+/// Counts that are no whole numbers, or too large to be any, are damage: converting them would be
+/// undefined.
+struct NoCount : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+std::int64_t countOf(const Json& j) {
+  if (!j.is_number_integer()) throw NoCount(j.dump() + " is no count");
+  return j.get<std::int64_t>();
+}
+
+std::vector<std::int64_t> countsOf(const Json& j) {
+  std::vector<std::int64_t> out;
+  for (const Json& count : j) out.push_back(countOf(count));
+  return out;
+}
+
 std::optional<Eigen::Vector3d> optionalPoint(const Json& j) {
   if (!j.contains("point_m")) return std::nullopt;
   return pointOf(j.at("point_m"));
@@ -78,7 +95,7 @@ Check checkFrom(const Json& j) {
 
 TissueFigures tissueFrom(const Json& j) {
   TissueFigures t;
-  t.id = j.at("id");
+  t.id = static_cast<std::int32_t>(countOf(j.at("id")));
   t.name = j.at("name");
   t.kind = j.at("kind");
   t.side = optionalText(j, "side");
@@ -86,8 +103,8 @@ TissueFigures tissueFrom(const Json& j) {
   t.file = optionalText(j, "file");
   t.volumeCm3 = j.at("volume_cm3");
   t.areaCm2 = j.at("area_cm2");
-  t.components = j.at("components");
-  t.tets = j.at("tets");
+  t.components = countOf(j.at("components"));
+  t.tets = countOf(j.at("tets"));
   for (const Json& a : j.at("attachments")) {
     t.attachments.push_back({optionalText(a, "role"), a.at("on"), a.at("name"), a.at("area_cm2"),
                              pointOf(a.at("centroid_m"))});
@@ -95,7 +112,7 @@ TissueFigures tissueFrom(const Json& j) {
   if (j.contains("fibers")) {
     const Json& f = j.at("fibers");
     t.fibers = FiberFigures{
-        f.at("length_cm"),          f.at("length_sd_cm"),           f.at("traced"),
+        f.at("length_cm"),          f.at("length_sd_cm"),           countOf(f.at("traced")),
         f.at("angle_to_curve_deg"), f.at("interior_extrema_share"), f.at("spread_share")};
   }
   return t;
@@ -116,17 +133,17 @@ Json envelopeJson(const EnvelopeFigures& e) {
 }
 
 EnvelopeFigures envelopeFrom(const Json& j) {
-  return {j.at("new_vertices"),
-          j.at("clamped_vertices"),
-          j.at("repaired_vertices"),
-          j.at("rebuilt_tets"),
-          j.at("non_positive_at_32_bits"),
-          j.at("off_label_tets"),
+  return {countOf(j.at("new_vertices")),
+          countOf(j.at("clamped_vertices")),
+          countOf(j.at("repaired_vertices")),
+          countOf(j.at("rebuilt_tets")),
+          countOf(j.at("non_positive_at_32_bits")),
+          countOf(j.at("off_label_tets")),
           j.at("off_label_share"),
-          j.at("off_label_unexplained"),
-          j.at("islands"),
+          countOf(j.at("off_label_unexplained")),
+          countOf(j.at("islands")),
           j.at("island_share"),
-          j.at("fat_pockets")};
+          countOf(j.at("fat_pockets"))};
 }
 
 Finding findingFrom(const Json& j) {
@@ -189,31 +206,30 @@ Report reportFrom(const Json& j) {
   r.skinDiagonal = j.at("skin_diagonal_m");
   const Json& domain = j.at("domain");
   r.domainVolumeCm3 = domain.at("volume_cm3");
-  r.domainTets = domain.at("tets");
-  r.domainVertices = domain.at("vertices");
-  r.freeVertices = domain.at("free_vertices");
-  r.tets = j.at("anatomy").at("tets");
-  r.vertices = j.at("anatomy").at("vertices");
+  r.domainTets = countOf(domain.at("tets"));
+  r.domainVertices = countOf(domain.at("vertices"));
+  r.freeVertices = countOf(domain.at("free_vertices"));
+  r.tets = countOf(j.at("anatomy").at("tets"));
+  r.vertices = countOf(j.at("anatomy").at("vertices"));
   for (const Json& t : j.at("tissues")) r.tissues.push_back(tissueFrom(t));
   r.tissuesPerTet = j.at("tissues_per_tet").get<std::vector<double>>();
   r.envelope = envelopeFrom(j.at("envelope"));
   const Json& quality = j.at("quality");
   r.quality.minDihedralDeg = quality.at("min_dihedral_deg");
   r.quality.maxDihedralDeg = quality.at("max_dihedral_deg");
-  r.quality.minDihedralHistogram =
-      quality.at("min_dihedral_histogram").get<std::vector<std::int64_t>>();
+  r.quality.minDihedralHistogram = countsOf(quality.at("min_dihedral_histogram"));
   r.quality.smallestVolume = quality.at("smallest_volume_m3");
   for (const Json& c : j.at("checks")) r.checks.push_back(checkFrom(c));
   r.references = referencesOf(j.at("mesh_references"));
   for (const Json& f : j.at("findings")) r.findings.push_back(findingFrom(f));
   for (const Json& s : j.at("stages"))
-    r.stages.push_back({s.at("stage"), s.at("seconds"), s.at("level")});
+    r.stages.push_back({s.at("stage"), s.at("seconds"), static_cast<int>(countOf(s.at("level")))});
   r.totalSeconds = j.at("total_seconds");
-  r.peakMemoryBytes = j.at("peak_memory_bytes");
-  r.peakWorkerMemoryBytes = j.at("peak_worker_memory_bytes");
+  r.peakMemoryBytes = countOf(j.at("peak_memory_bytes"));
+  r.peakWorkerMemoryBytes = countOf(j.at("peak_worker_memory_bytes"));
   const Json& machine = j.at("machine");
-  r.machine = {machine.at("processor"), machine.at("cores"), machine.at("threads"),
-               machine.at("blas")};
+  r.machine = {machine.at("processor"), countOf(machine.at("cores")),
+               countOf(machine.at("threads")), machine.at("blas")};
   return r;
 }
 
@@ -237,6 +253,9 @@ Result<Report> parseReport(const std::string& text, const std::string& file) {
   } catch (const Json::out_of_range& e) {
     return fail(ErrorCode::MissingKey,
                 fmt::format("the report lacks a key; build again ({})", e.what()), {.file = file});
+  } catch (const NoCount& e) {
+    return fail(ErrorCode::WrongType,
+                fmt::format("the report is damaged; build again ({})", e.what()), {.file = file});
   } catch (const Json::exception& e) {
     return fail(ErrorCode::WrongType,
                 fmt::format("the report is damaged; build again ({})", e.what()), {.file = file});

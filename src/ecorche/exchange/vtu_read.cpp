@@ -96,12 +96,15 @@ class VtuReader {
       return fault(ErrorCode::FileTruncated, "the file ends before its data; export it again");
     }
     const std::string header = std::string(bytes_.substr(0, tag)) + "</VTKFile>";
-    const pugi::xml_parse_result parsed = xml_.load_buffer(header.data(), header.size());
+    const pugi::xml_parse_result parsed =
+        xml_.load_buffer(header.data(), header.size(), pugi::parse_default, pugi::encoding_utf8);
     if (!parsed) {
-      return fail(ErrorCode::FileSyntax, fmt::format("the XML is broken: {}", parsed.description()),
-                  {.file = file_,
-                   .line = static_cast<int>(
-                       1 + std::count(header.begin(), header.begin() + parsed.offset, '\n'))});
+      // The parser may stop beyond the end, at a zero of its own
+      const auto stop = std::clamp<std::ptrdiff_t>(parsed.offset, 0, std::ssize(header));
+      return fail(
+          ErrorCode::FileSyntax, fmt::format("the XML is broken: {}", parsed.description()),
+          {.file = file_,
+           .line = static_cast<int>(1 + std::count(header.begin(), header.begin() + stop, '\n'))});
     }
     const pugi::xml_node root = xml_.child("VTKFile");
     if (std::string_view(root.attribute("type").value()) != "UnstructuredGrid" ||
