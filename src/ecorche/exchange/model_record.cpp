@@ -14,7 +14,11 @@ ModelRecord recordFrom(const Json& j) {
   r.skinDiagonal = j.at("skin_diagonal_m");
   r.surfaceTolerance = j.at("surface_tolerance");
   for (const Json& t : j.at("tissues")) {
-    TissueRecord tissue{t.at("id"), t.at("name"), t.at("kind"), t.value("file", std::string()), {}};
+    TissueRecord tissue{countOf<std::int32_t>(t.at("id")),
+                        t.at("name"),
+                        t.at("kind"),
+                        t.value("file", std::string()),
+                        {}};
     for (const Json& c : t.at("curves")) {
       CurveRecord curve{c.at("name"), {}};
       for (const Json& p : c.at("points_m")) curve.points.push_back(pointOf(p));
