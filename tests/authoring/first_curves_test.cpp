@@ -106,6 +106,22 @@ TEST_CASE("first curves keep a sixth of their clearance from skin and bones, end
   }
 }
 
+TEST_CASE("a table from which no muscle can be drawn gives none, and says why") {
+  const Body body(7);
+  const mesh::SurfaceQuery skin(body.skinMesh);
+  const mesh::Box box = mesh::boundingBox(body.skinMesh);
+  const Surroundings around{skin, body.bones, box.diagonal(), box.centre(), std::nullopt};
+  RunContext run;
+  CHECK(firstMuscles({}, around, run).value().muscles.empty());
+
+  std::vector<MuscleSites> single{body.table.front()};
+  single[0].sites.resize(1);
+  const auto made = firstMuscles(single, around, run).value();
+  CHECK(made.muscles.empty());
+  REQUIRE(made.findings.size() == 1);
+  CHECK(made.findings[0].object == single[0].muscle);
+}
+
 TEST_CASE("first curves are the same for any number of threads, and turn with nothing") {
   const Body body(7);
   const mesh::SurfaceQuery skin(body.skinMesh);

@@ -266,6 +266,7 @@ double settle(Band& band, const FreeSpace& space) {
 
 void settleTogether(std::vector<Band>& bands, const FreeSpace& space, const Vector3& mirrorPoint,
                     const Vector3& mirrorNormal) {
+  if (bands.empty()) return;
   std::vector<MovingBand> moving;
   moving.reserve(bands.size());
   for (Band& band : bands) moving.emplace_back(band);
