@@ -74,6 +74,9 @@ TEST_CASE("bones that share a face or an edge are united, none is wrapped") {
   CHECK(mesh::isManifold(edges->surface.F));
   CHECK(mesh::selfIntersections(edges->surface.V, edges->surface.F).empty());
   CHECK(tagsIn(edges->surface).size() == 3);
+  const auto told = std::ranges::find(edges->findings, "united", &Finding::kind);
+  REQUIRE(told != edges->findings.end());
+  CHECK(told->message.find("grown by 0.2 mm") != std::string::npos);
   // One of the cubes has grown by a hair, and a cube has a surface of 6
   const double volume = mesh::signedVolume(edges->surface.V, edges->surface.F);
   CHECK(volume < 64 - 2);
@@ -164,6 +167,25 @@ TEST_CASE("a cut through the skin's own vertices works") {
   }
 }
 
+TEST_CASE("a cut does not depend on which point of the plane is given") {
+  CarveInput input;
+  input.skin = test::sphere({0, 0, 100}, 1.0, 3);
+  const double half = 0.5 * mesh::signedVolume(input.skin.V, input.skin.F);
+  for (const Vector3& point : {Vector3(0, 0, 100), Vector3(0, 0, 0), Vector3(-700, 0, 95)}) {
+    input.cutPlanes = {{"middle", point, Vector3::UnitY()}};
+    RunContext run;
+    const auto carved = carve(input, kOptions, run);
+    REQUIRE(carved);
+    CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(half));
+  }
+  // All of it on the kept side, far from the plane
+  input.cutPlanes = {{"below", {0, 0, 0}, Vector3::UnitZ()}};
+  RunContext run;
+  const auto carved = carve(input, kOptions, run);
+  REQUIRE(carved);
+  CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(2.0 * half));
+}
+
 TEST_CASE(
     "bones beyond a cut plane are left out without a word; bones outside the skin are named") {
   CarveInput input;
@@ -183,6 +205,13 @@ TEST_CASE(
   const auto outside = carve(input, kOptions, run);
   REQUIRE_FALSE(outside);
   CHECK(outside.error().code == ErrorCode::BonesOutsideSkin);
+
+  // An obstacle out there is no bone
+  input.holes.push_back(bone(test::box({11, 1, 1}, {12, 2, 2}), "stone", 0));
+  input.holes.back().tag.kind = BoundaryTag::Kind::Obstacle;
+  const auto both = carve(input, kOptions, run);
+  REQUIRE_FALSE(both);
+  CHECK(both.error().message.find("the only bone, \"far\"") != std::string::npos);
 }
 
 TEST_CASE("nothing left of the skin is an error that names the plane") {

@@ -21,8 +21,6 @@ using Kernel = mesh::CgalKernel;
 using Inside = CGAL::Side_of_triangle_mesh<TaggedMesh, Kernel>;
 using Group = std::vector<std::size_t>;
 
-constexpr double kGrowShare = 0.02;  // of the wrap tolerance
-
 /// Groups of bodies whose surfaces meet, or of which one holds another.
 std::vector<Group> groupsOf(const std::vector<Body>& bodies) {
   std::vector<std::size_t> root(bodies.size());
@@ -66,8 +64,9 @@ std::optional<TaggedMesh> grown(const TaggedMesh& mesh, double by) {
 }
 
 /// Those of the group as one, or nothing. One that cannot join yet may do so once others have.
-std::optional<TaggedMesh> exactUnion(const std::vector<Body>& bodies, const Group& group,
-                                     double by) {
+/// @param grew  gets the holes of bodies that had to be grown
+std::optional<TaggedMesh> exactUnion(const std::vector<Body>& bodies, const Group& group, double by,
+                                     std::vector<const Hole*>& grew) {
   TaggedMesh sum = bodies[group.front()].mesh;
   Group left(group.begin() + 1, group.end());
   while (!left.empty()) {
@@ -75,7 +74,9 @@ std::optional<TaggedMesh> exactUnion(const std::vector<Body>& bodies, const Grou
       const TaggedMesh& mesh = bodies[i].mesh;
       if (combine(sum, mesh, Operation::Union)) return true;
       const auto larger = grown(mesh, by);
-      return larger && combine(sum, *larger, Operation::Union);
+      if (!larger || !combine(sum, *larger, Operation::Union)) return false;
+      grew.insert(grew.end(), bodies[i].holes.begin(), bodies[i].holes.end());
+      return true;
     };
     const std::size_t before = left.size();
     std::erase_if(left, joins);
@@ -90,8 +91,9 @@ Result<Body> united(const std::vector<Body>& bodies, const Group& group, double 
   for (const std::size_t i : group) {
     out.holes.insert(out.holes.end(), bodies[i].holes.begin(), bodies[i].holes.end());
     out.wrapped.insert(out.wrapped.end(), bodies[i].wrapped.begin(), bodies[i].wrapped.end());
+    out.grown.insert(out.grown.end(), bodies[i].grown.begin(), bodies[i].grown.end());
   }
-  std::optional<TaggedMesh> sum = exactUnion(bodies, group, kGrowShare * wrapTolerance);
+  std::optional<TaggedMesh> sum = exactUnion(bodies, group, growth(wrapTolerance), out.grown);
   if (!sum) return wrapBody(out.holes, wrapTolerance, run);
   out.mesh = std::move(*sum);
   return out;
@@ -107,7 +109,8 @@ std::string namesOf(const std::vector<const Hole*>& holes) {
 
 Result<Body> bodyOf(const Hole& hole, double wrapTolerance, RunContext& run) {
   if (hole.fit) {
-    if (auto mesh = toCgal(tagged(hole.mesh, hole.tag))) return Body{{&hole}, {}, std::move(*mesh)};
+    if (auto mesh = toCgal(tagged(hole.mesh, hole.tag)))
+      return Body{{&hole}, {}, {}, std::move(*mesh)};
   }
   return wrapBody({&hole}, wrapTolerance, run);
 }
@@ -122,7 +125,7 @@ Result<Body> wrapBody(const std::vector<const Hole*>& holes, double wrapToleranc
                 fmt::format("\"{}\" cannot be wrapped into a closed surface", holes.front()->name),
                 {.object = holes.front()->name});
   }
-  return Body{holes, holes, std::move(*mesh)};
+  return Body{holes, holes, {}, std::move(*mesh)};
 }
 
 Result<std::vector<Body>> unitedBodies(std::vector<Body> bodies, double wrapTolerance,

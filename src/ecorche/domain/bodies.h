@@ -13,8 +13,12 @@ namespace ecorche::domain {
 struct Body {
   std::vector<const Hole*> holes;
   std::vector<const Hole*> wrapped;  ///< of them, those that a wrap stands for
+  std::vector<const Hole*> grown;    ///< of them, those that were grown to overlap others
   TaggedMesh mesh;
 };
+
+/// How far a body is grown that touches others in no more than edges or vertices [m].
+[[nodiscard]] constexpr double growth(double wrapTolerance) { return 0.02 * wrapTolerance; }
 
 [[nodiscard]] std::string namesOf(const std::vector<const Hole*>& holes);
 

@@ -65,7 +65,8 @@ class Carver {
       : input_(input),
         options_(options),
         run_(run),
-        size_(4.0 * mesh::boundingBox(input.skin).diagonal()) {}
+        box_(mesh::boundingBox(input.skin)),
+        size_(4.0 * box_.diagonal()) {}
 
   Result<Carved> operator()() {
     auto skin = toCgal(tagged(input_.skin, {BoundaryTag::Kind::Skin, 0}));
@@ -142,7 +143,7 @@ class Carver {
   Result<void> gatherHoles() {
     const Inside insideSkin(skin_);
     int boneCount = 0;
-    int outsideCount = 0;
+    std::vector<const Hole*> outside;  // bones
     for (const Hole& hole : input_.holes) {
       if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
       const bool beyond = std::ranges::any_of(input_.cutPlanes, [&](const CutPlane& plane) {
@@ -169,7 +170,7 @@ class Carver {
                                   hole.name),
                       {.object = hole.name, .point = anyPoint(mesh)});
         }
-        outsideCount += bone;
+        if (bone) outside.push_back(&hole);
         out_.leftOut.push_back(hole.name);
         note(Severity::Warning, "outside-skin", hole.name,
              fmt::format("\"{}\" lies outside the skin and was left out", hole.name),
@@ -179,19 +180,19 @@ class Carver {
       if (crosses) reportPokingOut(hole, mesh);
       bodies_.push_back(std::move(*gathered));
     }
-    if (boneCount > 0 && outsideCount == boneCount) {
+    if (boneCount > 0 && std::ssize(outside) == boneCount) {
       const bool hollow = std::ranges::any_of(mesh::checkSurface(input_.skin).components,
                                               &mesh::SurfaceCheck::Component::inward);
       return fail(
           ErrorCode::BonesOutsideSkin,
           fmt::format("{} outside the skin; {}",
                       boneCount == 1
-                          ? fmt::format("the only bone, \"{}\", lies", out_.leftOut.back())
+                          ? fmt::format("the only bone, \"{}\", lies", outside.back()->name)
                           : fmt::format("all {} bones lie", boneCount),
                       hollow ? "it is hollow, an inner layer faces inward: ask for \"repair\": "
                                "\"outer-hull\" at the skin"
                              : "check the units and the frame of skin and bones"),
-          {.object = input_.skin.name, .point = out_.findings.back().point});
+          {.object = input_.skin.name, .point = outside.back()->mesh.V.row(0).transpose()});
     }
     return {};
   }
@@ -221,7 +222,7 @@ class Carver {
       for (const double shift : {0.0, 1e-8, -1e-8, 1e-6}) {
         CutPlane plane = input_.cutPlanes[k];
         plane.point += shift * size_ * plane.normal;
-        if (combine(skin_, halfSpace(plane, tag, size_), Operation::Intersection)) {
+        if (combine(skin_, halfSpace(plane, tag, box_), Operation::Intersection)) {
           done = true;
           break;
         }
@@ -247,8 +248,14 @@ class Carver {
   void noteBody(const Body& body) {
     const std::string& first = body.holes.front()->name;
     if (body.holes.size() > 1) {
-      note(Severity::Note, "united", first,
-           fmt::format("{} touch or overlap and were united", namesOf(body.holes)),
+      const std::string how =
+          body.grown.empty()
+              ? std::string()
+              : fmt::format("; for that {} grown by {:.2g} mm",
+                            namesOf(body.grown) + (body.grown.size() == 1 ? " was" : " were"),
+                            growth(options_.wrapTolerance) * 1e3);
+      note(body.grown.empty() ? Severity::Note : Severity::Repaired, "united", first,
+           fmt::format("{} touch or overlap and were united{}", namesOf(body.holes), how),
            anyPoint(body.mesh), static_cast<double>(body.holes.size()));
     }
     if (!body.wrapped.empty()) noteWrap(body.wrapped, body.mesh);
@@ -293,6 +300,7 @@ class Carver {
   const CarveInput& input_;
   const CarveOptions& options_;
   RunContext& run_;
+  mesh::Box box_;  // of the skin
   double size_;
   TaggedMesh skin_;
   std::vector<Body> bodies_;

@@ -2,6 +2,7 @@
 #include <ecorche/domain/tagged_corefinement.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <memory>
 #include <unordered_map>
 
@@ -86,18 +87,21 @@ bool combine(TaggedMesh& a, const TaggedMesh& b, Operation operation) {
   return true;
 }
 
-TaggedMesh halfSpace(const CutPlane& plane, std::int32_t tag, double size) {
-  const mesh::Vector3 n = plane.normal.normalized();
+TaggedMesh halfSpace(const CutPlane& plane, std::int32_t tag, const mesh::Box& around) {
+  const mesh::Vector3 n = plane.normal;
   // For a normal along an axis u and v are axes too, and the corners lie on the plane exactly
   int least = 0;
   n.cwiseAbs().minCoeff(&least);
   const mesh::Vector3 u = n.cross(mesh::Vector3::Unit(least)).normalized();
   const mesh::Vector3 v = n.cross(u);
+  const double size = 4.0 * around.diagonal();
+  const mesh::Vector3 foot = ontoPlane(plane, around.centre());
+  const double top = size + std::max(0.0, n.dot(around.centre() - foot));
   TaggedMesh box;
   std::vector<TaggedMesh::Vertex_index> corner;
-  for (const double height : {0.0, size}) {
+  for (const double height : {0.0, top}) {
     for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-      const mesh::Vector3 p = plane.point + a * size * u + b * size * v + height * n;
+      const mesh::Vector3 p = foot + a * size * u + b * size * v + height * n;
       corner.push_back(box.add_vertex(Point(p.x(), p.y(), p.z())));
     }
   }

@@ -25,8 +25,11 @@ enum class Operation { Union, Difference, Intersection };
 /// library gives up.
 bool combine(TaggedMesh& a, const TaggedMesh& b, Operation operation);
 
-/// The half space of a cut plane as a box so large that only its first face matters.
-[[nodiscard]] TaggedMesh halfSpace(const CutPlane& plane, std::int32_t tag, double size);
+/// The half space of a cut plane as a box so large that only its first face matters to what lies
+/// within `around`, wherever on the plane its point is.
+/// @param plane  its normal of length 1
+[[nodiscard]] TaggedMesh halfSpace(const CutPlane& plane, std::int32_t tag,
+                                   const mesh::Box& around);
 
 /// Some point of a mesh that has one.
 [[nodiscard]] mesh::Vector3 anyPoint(const TaggedMesh& mesh);
