@@ -216,6 +216,58 @@ TEST_CASE("history") {
     }
     RC_ASSERT(!history.canRedo());
   });
+  rc::prop("several commands in one step are undone at once, and done all or not at all", [] {
+    History history(sample());
+    std::vector<Project> states = {history.project()};
+    for (int k = 0; k < 30; ++k) {
+      std::vector<Command> step;
+      for (int i = *rc::gen::inRange(1, 6); i > 0; --i) step.push_back(test::anyCommand());
+      Project after = states.back();
+      bool all = true;
+      for (const Command& command : step) {
+        auto next = apply(after, command);
+        all = next.has_value();
+        if (!all) break;
+        after = std::move(*next);
+      }
+      RC_ASSERT(history.perform(step, "step").has_value() == all);
+      if (all) states.push_back(after);
+      RC_ASSERT(history.project() == states.back());
+      RC_ASSERT(history.stepsDone() + 1 == states.size());
+    }
+    Project replayed = sample();
+    for (const Command& command : history.performed()) replayed = *apply(replayed, command);
+    RC_ASSERT(replayed == states.back());
+    for (std::size_t k = states.size() - 1; k > 0; --k) {
+      history.undo();
+      RC_ASSERT(history.project() == states[k - 1]);
+    }
+    for (std::size_t k = 1; k < states.size(); ++k) {
+      history.redo();
+      RC_ASSERT(history.project() == states[k]);
+    }
+  });
+  rc::prop("a past that is moved to another folder names the same meshes from there", [] {
+    History history(sample());
+    for (int k = 0; k < 40; ++k) (void)history.perform(test::anyCommand());
+    std::vector<Project> states;
+    const std::size_t steps = history.stepsDone();
+    while (history.canUndo()) history.undo();
+    for (std::size_t k = 0; k <= steps; ++k) {
+      states.push_back(history.project());
+      if (k < steps) history.redo();
+    }
+    const std::filesystem::path folder = "somewhere/else";
+    history.moveTo(folder);
+    for (std::size_t k = steps; k > 0; --k) {
+      RC_ASSERT(history.project() == movedTo(states[k], folder));
+      history.undo();
+    }
+    for (std::size_t k = 0; k < steps; ++k) {
+      RC_ASSERT(history.project() == movedTo(states[k], folder));
+      history.redo();
+    }
+  });
   rc::prop("a new act after some undoing forgets the undone and nothing else", [] {
     History history(sample());
     std::vector<Project> states = {history.project()};

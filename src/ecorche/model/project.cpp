@@ -103,11 +103,14 @@ std::string pathFrom(const std::filesystem::path& folder, const std::filesystem:
   return (relative.empty() ? whole : relative).generic_string();  // empty: on another drive
 }
 
+MeshRef movedTo(MeshRef mesh, const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (!mesh.file.empty() && std::filesystem::path(mesh.file).is_relative())
+    mesh.file = pathFrom(to, from / mesh.file);
+  return mesh;
+}
+
 Project movedTo(Project project, const std::filesystem::path& folder) {
-  const auto move = [&](MeshRef& mesh) {
-    if (std::filesystem::path(mesh.file).is_relative())
-      mesh.file = pathFrom(folder, project.folder / mesh.file);
-  };
+  const auto move = [&](MeshRef& mesh) { mesh = movedTo(mesh, project.folder, folder); };
   move(project.skin);
   for (Bone& bone : project.bones) move(bone.mesh);
   for (Tissue& tissue : project.tissues) {

@@ -146,6 +146,9 @@ struct Project {
 /// How a mesh file is written in a project in `folder`: relative to it, '/' between folders.
 [[nodiscard]] std::string pathFrom(const std::filesystem::path& folder,
                                    const std::filesystem::path& file);
+/// The same mesh named from another folder.
+[[nodiscard]] MeshRef movedTo(MeshRef mesh, const std::filesystem::path& from,
+                              const std::filesystem::path& to);
 /// The same project for a file in another folder: relative paths lead to the same meshes as before.
 [[nodiscard]] Project movedTo(Project project, const std::filesystem::path& folder);
 
