@@ -32,6 +32,10 @@ target_include_directories(ecorche_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE} $
 target_link_libraries(ecorche_cholmod INTERFACE ${CHOLMOD_LIBRARY} ${OPENBLAS_LIBRARY})
 add_library(ecorche::cholmod ALIAS ecorche_cholmod)
 
+if(ECORCHE_STUDIO)
+  find_package(Qt6 6.4 REQUIRED COMPONENTS Widgets OpenGL OpenGLWidgets)
+endif()
+
 if(ECORCHE_TESTS)
   find_package(Catch2 2.13 REQUIRED)
   find_package(rapidcheck REQUIRED)

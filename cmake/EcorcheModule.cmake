@@ -46,15 +46,19 @@ if(ECORCHE_SANITIZE)
 endif()
 
 # ecorche_add_test(mesh SOURCES ... LIBS ...) makes the program test_mesh; each TEST_CASE is a test of ctest, run after
-# what FIXTURES names has been set up.
+# what FIXTURES names has been set up; with SCREEN on a screen of its own, that nobody sees.
 function(ecorche_add_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;FIXTURES" ${ARGN})
+  cmake_parse_arguments(ARG "SCREEN" "" "SOURCES;LIBS;FIXTURES" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ecorche_options ecorche_test_support ${ARG_LIBS})
   set(properties TIMEOUT ${ECORCHE_TEST_TIMEOUT} ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
   if(ARG_FIXTURES)
     list(APPEND properties FIXTURES_REQUIRED ${ARG_FIXTURES})
+  endif()
+  if(ARG_SCREEN)
+    set_property(TARGET ${target} PROPERTY
+      CROSSCOMPILING_EMULATOR "xvfb-run;--auto-servernum;--server-args=-screen 0 1440x900x24")
   endif()
   catch_discover_tests(${target} TEST_PREFIX "${name}: " PROPERTIES ${properties})
 endfunction()

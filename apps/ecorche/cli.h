@@ -51,5 +51,6 @@ void addCheck(CLI::App& app, Commands& commands);
 void addInfo(CLI::App& app, Commands& commands);
 void addRender(CLI::App& app, Commands& commands);
 void addRun(CLI::App& app, Commands& commands);
+void addStudio(CLI::App& app, Commands& commands);
 
 }  // namespace ecorche::cli

@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   addRender(app, commands);
   addRun(app, commands);
   addBench(app, commands);
+  addStudio(app, commands);
 
   try {
     app.parse(argc, argv);

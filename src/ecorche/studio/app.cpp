@@ -1,0 +1,67 @@
+#include <ecorche/studio/app.h>
+#include <ecorche/studio/main_window.h>
+#include <ecorche/studio/theme.h>
+
+#include <QApplication>
+#include <QCommandLineParser>
+#include <QSettings>
+#include <QSurfaceFormat>
+#include <QTimer>
+
+namespace ecorche::studio {
+
+int run(int argc, char** argv) {
+  QSurfaceFormat format;
+  format.setVersion(3, 3);
+  format.setProfile(QSurfaceFormat::CoreProfile);
+  format.setDepthBufferSize(0);  // pictures bring their own
+  QSurfaceFormat::setDefaultFormat(format);
+  QApplication app(argc, argv);
+  QApplication::setApplicationName("ecorche-studio");
+  QApplication::setApplicationDisplayName(QObject::tr("Écorché"));
+  QApplication::setOrganizationName("ecorche");
+  QApplication::setApplicationVersion(ECORCHE_VERSION);
+
+  QCommandLineParser parser;
+  parser.setApplicationDescription(
+      QObject::tr("Model muscles from skin, bones and curves.\n\nExamples:\n  ecorche-studio\n"
+                  "  ecorche-studio forearm.ecorche\n  ecorche-studio skin.obj bones/*.obj"));
+  parser.addHelpOption();
+  parser.addVersionOption();
+  const QCommandLineOption scale("scale", QObject::tr("Size of texts and buttons, 1 is usual"),
+                                 "FACTOR");
+  const QCommandLineOption tets("tets", QObject::tr("How many tets the view is made of"), "N");
+  parser.addOption(scale);
+  parser.addOption(tets);
+  parser.addPositionalArgument("FILES", QObject::tr("A project, or meshes for a new one"),
+                               "[FILES...]");
+  parser.process(app);
+
+  if (parser.isSet(scale)) {
+    bool known = false;
+    const double factor = parser.value(scale).toDouble(&known);
+    if (!known || factor < 0.5 || factor > 4.0) {
+      fprintf(stderr, "ecorche-studio: --scale takes a number from 0.5 to 4\n");
+      return 2;
+    }
+    QFont font = QApplication::font();
+    font.setPointSizeF(font.pointSizeF() * factor);
+    QApplication::setFont(font);
+  }
+  engine::LiveOptions options;
+  if (parser.isSet(tets)) {
+    bool known = false;
+    options.tets = parser.value(tets).toLongLong(&known);
+    if (!known || options.tets < 1000) {
+      fprintf(stderr, "ecorche-studio: --tets takes a number from 1000 up\n");
+      return 2;
+    }
+  }
+  applyTheme(app, static_cast<Theme>(QSettings().value("theme", 0).toInt()));
+  MainWindow window(options);
+  window.show();
+  QTimer::singleShot(0, &window, [&] { window.openFiles(parser.positionalArguments()); });
+  return QApplication::exec();
+}
+
+}  // namespace ecorche::studio

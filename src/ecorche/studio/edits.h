@@ -1,0 +1,44 @@
+#pragma once
+
+#include <ecorche/studio/session.h>
+
+#include <QString>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ecorche::studio {
+
+// What menus, keys and panels do to what is selected, as commands. An empty list: nothing to do.
+
+struct Edit {
+  std::vector<model::Command> commands;
+  QString label;
+  Selection select;  ///< afterwards
+};
+
+/// Control point, curve or muscle: the smallest that is selected. A curve keeps two points.
+[[nodiscard]] Edit removeSelected(const Session& session);
+/// A control point on the selected curve where it passes nearest to a place; the curve keeps its
+/// shape as well as a spline can.
+[[nodiscard]] Edit insertPoint(const Session& session, const mesh::Vector3& near);
+/// The selected curve becomes two heads that meet in the selected point, which is not an end.
+[[nodiscard]] Edit splitCurve(const Session& session);
+/// The selected muscle once more, under a new name.
+[[nodiscard]] Edit duplicate(const Session& session);
+/// All values of the selected muscle times a factor.
+[[nodiscard]] Edit thicken(const Session& session, double factor);
+
+/// A plane that mirrors the body: that of the project if it has a symmetry plane, else one through
+/// the middle of the skin, across the axis along which its halves are most alike.
+struct MirrorPlane {
+  mesh::Vector3 point = mesh::Vector3::Zero();    // [m]
+  mesh::Vector3 normal = mesh::Vector3::UnitY();  // unit
+};
+[[nodiscard]] std::optional<MirrorPlane> mirrorPlane(const Session& session);
+/// The selected muscle's image on the other side, with the bones of that side and its name; a name
+/// without a side gets one. Where the image exists it is brought in step.
+/// Ends come to lie on the bone of that side, if one is near.
+[[nodiscard]] Edit mirrored(const Session& session, const MirrorPlane& plane);
+
+}  // namespace ecorche::studio

@@ -1,0 +1,100 @@
+#include <ecorche/engine/live_parts.h>
+#include <ecorche/studio/pick.h>
+
+#include <limits>
+
+namespace ecorche::studio {
+
+using mesh::Vector3;
+
+namespace {
+
+constexpr double kReach = 9.0;  // of a hand, from a point or curve [pixels]
+
+bool clippedAway(const Vector3& p, const Display& display) {
+  return display.clip && (p - display.clip->point).dot(display.clip->normal) < 0.0;
+}
+
+}  // namespace
+
+std::optional<BoneHit> boneUnder(const authoring::SightRay& sight, const engine::LiveMeshes& meshes,
+                                 const Display& display) {
+  std::optional<BoneHit> best;
+  for (const authoring::BoneSurface& bone : meshes.bones) {
+    if (!display.showsBone(bone.name)) continue;
+    if (!display.clip) {
+      const auto hit = bone.surface->firstHit(sight.origin, sight.direction);
+      if (hit && (!best || hit->t < best->distance)) best = BoneHit{bone.name, hit->point, hit->t};
+      continue;
+    }
+    for (const auto& hit : bone.surface->allHits(sight.origin, sight.direction)) {
+      if (clippedAway(hit.point, display)) continue;
+      if (!best || hit.t < best->distance) best = BoneHit{bone.name, hit.point, hit.t};
+      break;
+    }
+  }
+  return best;
+}
+
+std::optional<Selection> Picker::pickHandle(const Input& input, const Eigen::Vector2d& pixel) {
+  const auto place = model::findTissue(input.project, input.selection.tissue);
+  if (!place) return std::nullopt;
+  const model::Tissue& tissue = input.project.tissues[*place];
+  std::optional<Selection> best;
+  double nearest = kReach;
+  for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
+    for (std::size_t p = 0; p < tissue.curves[c].points.size(); ++p) {
+      const auto seen = input.camera.pixelOf(tissue.curves[c].points[p].at);
+      if (!seen || (*seen - pixel).norm() > nearest) continue;
+      nearest = (*seen - pixel).norm();
+      best = Selection{tissue.name, static_cast<int>(c), static_cast<int>(p), {}};
+    }
+  }
+  if (best) return best;
+  for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
+    const mesh::Spline spline = model::splineOf(tissue.curves[c]);
+    const double length = spline.length();
+    for (int k = 0; k <= 60; ++k) {
+      const auto seen = input.camera.pixelOf(spline.at(spline.parameterAt(length * k / 60.0)));
+      if (!seen || (*seen - pixel).norm() > nearest) continue;
+      nearest = (*seen - pixel).norm();
+      best = Selection{tissue.name, static_cast<int>(c), -1, {}};
+    }
+  }
+  return best;
+}
+
+Selection Picker::pick(const Input& input, const Eigen::Vector2d& pixel) {
+  if (const auto handle = pickHandle(input, pixel)) return *handle;
+  const authoring::SightRay sight = input.camera.sight(pixel);
+  double nearest = std::numeric_limits<double>::infinity();
+  Selection out;
+  if (input.tissues) {
+    if (askedOf_ != input.tissues) trees_.clear();
+    askedOf_ = input.tissues;
+    const auto places = engine::liveTissuePlaces(input.project);
+    for (const auto& body : input.tissues->bodies) {
+      if (body.slot >= places.size() || body.surface->F.rows() == 0) continue;
+      const model::Tissue& tissue = input.project.tissues[places[body.slot]];
+      if (!input.display.showsTissue(tissue.name)) continue;
+      auto& tree = trees_[body.surface.get()];
+      if (!tree) tree = std::make_unique<mesh::SurfaceQuery>(*body.surface);
+      if (tree->empty()) continue;
+      for (const auto& hit : tree->allHits(sight.origin, sight.direction)) {
+        if (clippedAway(hit.point, input.display)) continue;
+        if (hit.t < nearest) {
+          nearest = hit.t;
+          out = Selection{tissue.name, -1, -1, {}};
+        }
+        break;
+      }
+    }
+  }
+  if (input.meshes) {
+    const auto bone = boneUnder(sight, *input.meshes, input.display);
+    if (bone && bone->distance < nearest) out = Selection{{}, -1, -1, bone->bone};
+  }
+  return out;
+}
+
+}  // namespace ecorche::studio

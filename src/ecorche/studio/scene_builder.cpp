@@ -1,0 +1,190 @@
+#include <ecorche/engine/live_parts.h>
+#include <ecorche/render/anatomy_scene.h>
+#include <ecorche/studio/scene_builder.h>
+
+#include <algorithm>
+
+namespace ecorche::studio {
+
+using mesh::Vector3;
+using render::Rgba;
+
+namespace {
+
+constexpr float kCurveWidth = 2.0f;     // [pixels]
+constexpr float kSelectedWidth = 3.2f;  // [pixels]
+constexpr float kPointRadius = 5.5f;    // [pixels]
+constexpr double kCurveSteps = 400.0;   // of a diagonal
+
+// Towards white, in linear light
+Rgba lifted(const Rgba& c, float share) {
+  return {c[0] + share * (1.0f - c[0]), c[1] + share * (1.0f - c[1]), c[2] + share * (1.0f - c[2]),
+          c[3]};
+}
+
+std::vector<Vector3> polyline(const model::Curve& curve, double spacing) {
+  return model::splineOf(curve).sample(spacing).point;
+}
+
+render::LineItem line(std::vector<std::vector<Vector3>> lines, const Rgba& colour, float width) {
+  render::LineItem out;
+  out.lines = std::make_shared<const std::vector<std::vector<Vector3>>>(std::move(lines));
+  out.colour = colour;
+  out.widthPixels = width;
+  out.onTop = true;
+  return out;
+}
+
+render::PointItem balls(std::vector<Vector3> points, const Rgba& colour, float radius) {
+  render::PointItem out;
+  out.points = std::make_shared<const std::vector<Vector3>>(std::move(points));
+  out.colour = colour;
+  out.radiusPixels = radius;
+  out.onTop = true;
+  return out;
+}
+
+}  // namespace
+
+void SceneBuilder::takeMeshes(const std::shared_ptr<const engine::LiveMeshes>& meshes) {
+  if (meshes == meshesSeen_) return;
+  meshesSeen_ = meshes;
+  skin_.reset();
+  bones_.clear();
+  if (!meshes) return;
+  // Shared with the session's own copy, which lives as long
+  skin_ = std::shared_ptr<const mesh::SurfaceMesh>(meshes, &meshes->meshes.skin);
+  for (const auto& bone : meshes->meshes.bones)
+    bones_.push_back(std::shared_ptr<const mesh::SurfaceMesh>(meshes, &bone));
+}
+
+const std::vector<Rgba>& SceneBuilder::tissueColours(
+    const model::Project& project, const std::shared_ptr<const engine::LiveTissues>& tissues,
+    render::Palette palette) {
+  std::vector<std::string> names;
+  std::vector<std::optional<model::Colour>> chosen;
+  for (const model::Tissue& t : project.tissues) {
+    names.push_back(t.name);
+    chosen.push_back(t.kind == model::Tissue::Kind::Filler ? model::Colour{150, 130, 110}
+                                                           : t.colour);
+  }
+  if (tissues == colouredFor_ && names == colouredNames_ && chosen == colouredFixed_ &&
+      palette == colouredPalette_)
+    return colours_;
+
+  std::vector<std::optional<Rgba>> fixed;
+  for (const auto& c : chosen)
+    fixed.push_back(c ? render::colourFromHex(model::colourText(*c)) : std::nullopt);
+  render::NeighbourPairs touching;
+  if (tissues) {
+    const auto places = engine::liveTissuePlaces(project);
+    const auto placeOf = [&](std::int32_t entry) -> std::int32_t {
+      const std::size_t slot = tissues->bodies[static_cast<std::size_t>(entry)].slot;
+      return slot < places.size() ? static_cast<std::int32_t>(places[slot]) : -1;
+    };
+    for (const auto& [a, b] : tissues->touching) {
+      if (placeOf(a) >= 0 && placeOf(b) >= 0) touching.emplace_back(placeOf(a), placeOf(b));
+    }
+  }
+  colours_ = render::tissueColours(static_cast<std::int32_t>(names.size()), touching, palette,
+                                   render::sideTwins(names), fixed);
+  colouredFor_ = tissues;
+  colouredNames_ = std::move(names);
+  colouredFixed_ = std::move(chosen);
+  colouredPalette_ = palette;
+  return colours_;
+}
+
+void SceneBuilder::addBodies(const Input& input, render::Scene& scene) {
+  if (!input.tissues) return;
+  const auto& colours = tissueColours(input.project, input.tissues, input.display.palette);
+  const auto places = engine::liveTissuePlaces(input.project);
+  for (const engine::LiveTissues::Body& body : input.tissues->bodies) {
+    if (body.slot >= places.size() || body.surface->F.rows() == 0) continue;
+    const model::Tissue& tissue = input.project.tissues[places[body.slot]];
+    if (!input.display.showsTissue(tissue.name)) continue;
+    if (input.display.peelAbove && tissue.layer && *tissue.layer > *input.display.peelAbove)
+      continue;
+    Rgba colour = colours[places[body.slot]];
+    if (tissue.name == input.selection.tissue) {
+      colour = lifted(colour, 0.12f);
+    } else if (tissue.name == input.hovered.tissue) {
+      colour = lifted(colour, 0.06f);
+    }
+    render::SurfaceItem item =
+        render::surfaceItem(tissue.kind == model::Tissue::Kind::Filler ? render::Material::Filler
+                                                                       : render::Material::Muscle,
+                            body.surface, colour);
+    item.name = tissue.name;
+    item.normals = body.normals;
+    scene.surfaces.push_back(std::move(item));
+  }
+}
+
+void SceneBuilder::addCurves(const Input& input, const SceneColours& colours,
+                             render::Scene& scene) {
+  const double spacing = (input.meshes ? input.meshes->diagonal : 1.0) / kCurveSteps;
+  std::vector<std::vector<Vector3>> others;
+  std::vector<std::vector<Vector3>> own;
+  for (const model::Tissue& tissue : input.project.tissues) {
+    const bool selected = tissue.name == input.selection.tissue;
+    if (!selected && (!input.display.allCurves || !input.display.showsTissue(tissue.name)))
+      continue;
+    for (const model::Curve& curve : tissue.curves) {
+      (selected ? own : others).push_back(polyline(curve, spacing));
+    }
+  }
+  if (!others.empty()) scene.lines.push_back(line(std::move(others), colours.curve, kCurveWidth));
+  if (!own.empty()) scene.lines.push_back(line(std::move(own), colours.accent, kSelectedWidth));
+
+  if (const auto place = model::findTissue(input.project, input.selection.tissue)) {
+    const model::Tissue& tissue = input.project.tissues[*place];
+    std::vector<Vector3> plain;
+    std::vector<Vector3> taken;
+    for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
+      for (std::size_t p = 0; p < tissue.curves[c].points.size(); ++p) {
+        const auto is = [&](const Selection& s) {
+          return s.tissue == tissue.name && s.curve == static_cast<int>(c) &&
+                 s.point == static_cast<int>(p);
+        };
+        (is(input.selection) || is(input.hovered) ? taken : plain)
+            .push_back(tissue.curves[c].points[p].at);
+      }
+    }
+    const Rgba white{0.95f, 0.95f, 0.93f, 1.0f};
+    if (!plain.empty()) scene.points.push_back(balls(std::move(plain), white, kPointRadius));
+    if (!taken.empty())
+      scene.points.push_back(balls(std::move(taken), colours.accent, kPointRadius * 1.25f));
+  }
+}
+
+render::Scene SceneBuilder::build(const Input& input, const SceneColours& colours) {
+  takeMeshes(input.meshes);
+  render::Scene scene;
+  scene.background = colours.background;
+  scene.clip = input.display.clip;
+  if (skin_ && input.display.skin && input.display.skinOpacity > 0.0 && skin_->F.rows() > 0) {
+    render::SurfaceItem item = render::surfaceItem(render::Material::Skin, skin_);
+    const auto share = static_cast<float>(input.display.skinOpacity / 0.35);
+    item.colour[3] = std::min(0.98f, item.colour[3] * share);
+    if (item.edgeOpacity) item.edgeOpacity = std::min(0.98f, *item.edgeOpacity * share);
+    scene.surfaces.push_back(std::move(item));
+  }
+  for (const auto& bone : bones_) {
+    if (!input.display.showsBone(bone->name) || bone->F.rows() == 0) continue;
+    render::SurfaceItem item = render::surfaceItem(render::Material::Bone, bone);
+    item.name = bone->name;
+    if (bone->name == input.selection.bone || bone->name == input.hovered.bone)
+      item.colour = lifted(item.colour, 0.3f);
+    scene.surfaces.push_back(std::move(item));
+  }
+  addBodies(input, scene);
+  addCurves(input, colours, scene);
+  if (input.stroke.size() >= 2)
+    scene.lines.push_back(line({input.stroke}, colours.accent, kSelectedWidth));
+  if (!input.marks.empty())
+    scene.points.push_back(balls(input.marks, colours.accent, kPointRadius));
+  return scene;
+}
+
+}  // namespace ecorche::studio

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <ecorche/core/finding.h>
+#include <ecorche/engine/live_engine.h>
+#include <ecorche/model/history.h>
+#include <ecorche/studio/display.h>
+
+#include <QObject>
+#include <QString>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace ecorche::studio {
+
+/// What a window works on: one project with its past, what was computed of it so far, and what is
+/// selected and shown. Panels and tools read it and propose commands; nothing else changes a
+/// project. Lives on the window's thread.
+class Session : public QObject {
+  Q_OBJECT
+
+ public:
+  explicit Session(engine::LiveOptions options = {}, QObject* parent = nullptr);
+  ~Session() override;
+
+  // The project as it is to be seen: with the draft of an act under way.
+  [[nodiscard]] const model::Project& project() const;
+  [[nodiscard]] const model::History& history() const { return *history_; }
+  [[nodiscard]] bool isOpen() const { return open_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] bool isSaved() const { return saved_ == history_->project(); }
+
+  /// @param file  where it was read from or is to be saved; may be empty
+  void start(model::Project project, std::filesystem::path file, bool saved);
+  [[nodiscard]] Result<void> save(const std::filesystem::path& file);
+
+  /// Several commands as one step; what is wrong with them is told. False: nothing was done.
+  bool perform(const std::vector<model::Command>& commands, const QString& label);
+  bool perform(const model::Command& command, const QString& label) {
+    return perform(std::vector<model::Command>{command}, label);
+  }
+  /// Shows what the commands would do while a hand still moves; replaces the draft before it. What
+  /// cannot be done is told and leaves the last draft. A draft is no step until it is kept.
+  bool draft(const std::vector<model::Command>& commands);
+  bool keepDraft(const QString& label);
+  void dropDraft();
+  [[nodiscard]] bool hasDraft() const { return draft_.has_value(); }
+
+  void undo();
+  void redo();
+  /// Undoes or redoes until so many steps are done.
+  void goToStep(std::size_t done);
+  /// Everything done since the start, a line each: `ecorche run` makes the same project of it.
+  [[nodiscard]] std::string script() const;
+
+  [[nodiscard]] const Selection& selection() const { return selection_; }
+  void select(const Selection& selection);
+  [[nodiscard]] const model::Tissue* selectedTissue() const;
+  [[nodiscard]] const Display& display() const { return display_; }
+  void setDisplay(const Display& display);
+  void setHidden(const std::string& name, bool hidden);
+
+  [[nodiscard]] const std::shared_ptr<const engine::LiveMeshes>& meshes() const { return meshes_; }
+  [[nodiscard]] const std::shared_ptr<const domain::DomainBuild>& domain() const { return domain_; }
+  [[nodiscard]] const std::shared_ptr<const engine::LiveTissues>& tissues() const {
+    return tissues_;
+  }
+  /// Nothing is being computed, and everything shown is of the project as it stands, or failed.
+  [[nodiscard]] bool isSettled() const { return settled_; }
+  void stopComputing();
+  void reloadMeshes();  ///< files may have changed
+  /// [m³]; nothing while it has no body.
+  [[nodiscard]] std::optional<double> volumeOf(const std::string& tissue) const;
+
+  void tell(Severity severity, const QString& text, std::optional<mesh::Vector3> place = {});
+
+ signals:
+  void projectChanged();
+  void selectionChanged();
+  void displayChanged();
+  void liveChanged();  ///< meshes, domain or tissues are other ones
+  void progressed(const QString& stage, double fraction);
+  void settledChanged();
+  void told(ecorche::Severity severity, const QString& text,
+            const std::optional<Eigen::Vector3d>& place);
+
+ private:
+  std::unique_ptr<model::History> history_;
+  bool open_ = false;
+  std::filesystem::path file_;
+  std::optional<model::Project> saved_;  // as the file has it
+
+  struct Draft {
+    std::vector<model::Command> commands;
+    model::Project project;
+  };
+  std::optional<Draft> draft_;
+
+  Selection selection_;
+  Display display_;
+
+  std::shared_ptr<const engine::LiveMeshes> meshes_;
+  std::shared_ptr<const domain::DomainBuild> domain_;
+  std::shared_ptr<const engine::LiveTissues> tissues_;
+  std::uint64_t request_ = 0;
+  std::uint64_t firstRequest_ = 0;  // of the project at hand: answers to older ones are dropped
+  bool settled_ = true;
+  QString lastFault_;
+  std::set<std::string> findingsTold_;          // of the tissues at hand
+  std::unique_ptr<engine::LiveEngine> engine_;  // last: gone before what its answers touch
+
+  void changed(bool anew = false);
+  void forgetWhatIsGone();
+  void take(const engine::LiveUpdate& update);
+  void setSettled(bool settled);
+};
+
+}  // namespace ecorche::studio

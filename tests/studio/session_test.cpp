@@ -1,0 +1,206 @@
+#include <ecorche/engine/live_parts.h>
+#include <ecorche/model/project_file.h>
+#include <ecorche/studio/edits.h>
+
+#include "studio/hand.h"
+
+using namespace ecorche;
+using namespace ecorche::studio;
+using test::waitFor;
+
+namespace {
+
+model::Project arm() {
+  return model::loadProject(std::filesystem::path(ECORCHE_SOURCE_DIR) / "examples/arm/arm.ecorche")
+      .value();
+}
+
+}  // namespace
+
+TEST_CASE("only what is computed from counts as changed") {
+  const model::Project before = arm();
+  const auto after = [&](const model::Command& command) {
+    return model::apply(before, command).value();
+  };
+  const auto sameFields = [&](const model::Project& p) {
+    return engine::fieldPart(p) == engine::fieldPart(before);
+  };
+  const auto sameDomain = [&](const model::Project& p) {
+    return engine::domainPart(p) == engine::domainPart(before);
+  };
+  const auto sameMeshes = [&](const model::Project& p) {
+    return engine::meshPart(p) == engine::meshPart(before);
+  };
+  // A name, a colour, a layer, a muscle without a curve: nothing
+  for (const model::Command& command : std::vector<model::Command>{
+           model::RenameTissue{"deltoid", "shoulder"},
+           model::SetColour{"deltoid", model::Colour{1, 2, 3}}, model::SetLayer{"deltoid", 7},
+           model::SetGroup{"deltoid", "g"}, model::SetSide{"deltoid", model::Side::Right},
+           model::RenameCurve{"deltoid", 0, "x"}, model::AddMuscle{"new"},
+           model::SetProjectName{"n"}})
+    CHECK(sameFields(after(command)));
+  // Curves and values: fields alone
+  for (const model::Command& command : std::vector<model::Command>{
+           model::MoveCurve{"deltoid", 0, {0.001, 0, 0}}, model::SetPointValue{"deltoid", 0, 0, 3},
+           model::SetFat{0.1}, model::RemoveTissue{"deltoid"},
+           model::SetAnisotropy{"biceps_brachii", {2, 1, 0}}}) {
+    CHECK_FALSE(sameFields(after(command)));
+    CHECK(sameDomain(after(command)));
+  }
+  // A plane: the domain, not the meshes
+  const auto cut =
+      after(model::AddPlane{{"p", model::CutPlane::Kind::Region, {0, 0, 0}, {0, 0, 1}}});
+  CHECK_FALSE(sameDomain(cut));
+  CHECK(sameMeshes(cut));
+  CHECK_FALSE(sameMeshes(after(model::RemoveBone{"hand"})));
+}
+
+TEST_CASE("answers belong to the newest question") {
+  test::application();
+  Session session({.tets = 30'000});
+  int domains = 0;
+  int tissues = 0;
+  std::shared_ptr<const domain::DomainBuild> lastDomain;
+  std::shared_ptr<const engine::LiveTissues> lastTissues;
+  QObject::connect(&session, &Session::liveChanged, [&] {
+    if (session.domain() && session.domain() != lastDomain) ++domains;
+    if (session.tissues() && session.tissues() != lastTissues) ++tissues;
+    lastDomain = session.domain();
+    lastTissues = session.tissues();
+  });
+  session.start(arm(), {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(domains == 1);
+  CHECK(tissues == 1);
+  const double before = session.volumeOf("biceps_brachii").value();
+
+  // A rename: the volume is known at once under the new name, and nothing is computed
+  REQUIRE(session.perform(model::RenameTissue{"biceps_brachii", "biceps"}, "Rename"));
+  CHECK(session.volumeOf("biceps") == before);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(tissues == 1);
+
+  // Many edits in a row: the last one is what is seen, and few of the others were ever computed
+  for (int k = 1; k <= 40; ++k)
+    REQUIRE(session.perform(model::SetPointValue{"biceps", 0, 1, 1.0 + 0.05 * k}, "Value"));
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(tissues < 12);
+  const double thick = session.volumeOf("biceps").value();
+  CHECK(thick > before);
+  CHECK(domains == 1);
+
+  // Undone: the same as before to the last bit
+  session.goToStep(0);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(session.volumeOf("biceps_brachii") == before);
+}
+
+TEST_CASE("a muscle whose curve leaves the skin is told, and the others stay") {
+  test::application();
+  Session session({.tets = 30'000});
+  std::vector<std::string> told;
+  QObject::connect(&session, &Session::told, [&](Severity severity, const QString& text) {
+    if (severity == Severity::Error) told.push_back(text.toStdString());
+  });
+  session.start(arm(), {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(told.empty());
+  REQUIRE(session.perform(model::MovePoint{"biceps_brachii", 0, 1, {1.0, 1.0, 1.0}}, "Away"));
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  REQUIRE(told.size() == 1);
+  CHECK_THAT(told[0], Catch::Contains("biceps_brachii") && Catch::Contains("leaves the skin"));
+  CHECK_FALSE(session.volumeOf("biceps_brachii"));
+  CHECK(session.volumeOf("brachialis").value_or(0.0) > 0.0);
+}
+
+TEST_CASE("a draft is seen, and is no step until it is kept") {
+  test::application();
+  Session session({.tets = 30'000});
+  session.start(arm(), {}, true);
+  const model::Project before = session.project();
+  const model::Command thin = model::SetPointValue{"deltoid", 0, 0, 0.5};
+  const model::Command thick = model::SetPointValue{"deltoid", 0, 0, 2.5};
+  REQUIRE(session.draft({thin}));
+  CHECK(session.project().tissues[0].curves[0].points[0].tissue == 0.5);
+  CHECK(session.history().project() == before);
+  REQUIRE(session.draft({thick}));
+  REQUIRE(session.keepDraft("Thick"));
+  CHECK(session.history().stepsDone() == 1);
+  CHECK(session.project().tissues[0].curves[0].points[0].tissue == 2.5);
+  REQUIRE(session.draft({thin}));
+  session.dropDraft();
+  CHECK(session.project().tissues[0].curves[0].points[0].tissue == 2.5);
+  // What cannot be done leaves everything as it was
+  CHECK_FALSE(session.draft({model::SetPointValue{"deltoid", 0, 0, -1.0}}));
+  CHECK_FALSE(session.perform(model::RenameTissue{"deltoid", "biceps_brachii"}, "Rename"));
+  CHECK(session.history().stepsDone() == 1);
+  session.undo();
+  CHECK(session.project() == before);
+  CHECK(session.isSaved());
+}
+
+TEST_CASE("acts on what is selected") {
+  test::application();
+  Session session({.tets = 30'000});
+  session.start(arm(), {}, true);
+  const auto tissue = [&](const std::string& name) {
+    return session.project().tissues[model::findTissue(session.project(), name).value()];
+  };
+  QString told;
+  QObject::connect(&session, &Session::told, [&](Severity, const QString& text) { told = text; });
+  const auto carryOut = [&](const Edit& edit) {
+    REQUIRE_FALSE(edit.commands.empty());
+    INFO(edit.label.toStdString());
+    const bool done = session.perform(edit.commands, edit.label);
+    INFO(told.toStdString());
+    REQUIRE(done);
+    session.select(edit.select);
+  };
+  const model::Curve head = tissue("biceps_brachii").curves[0];
+  const std::size_t heads = tissue("biceps_brachii").curves.size();
+
+  session.select({"biceps_brachii", 0, 1, {}});
+  carryOut(splitCurve(session));
+  CHECK(tissue("biceps_brachii").curves.size() == heads + 1);
+  CHECK(tissue("biceps_brachii").curves[0].points.back() == head.points[1]);
+  CHECK(tissue("biceps_brachii").curves.back().points.front() == head.points[1]);
+  CHECK(tissue("biceps_brachii").curves.back().end == head.end);
+  session.undo();
+
+  session.select({"biceps_brachii", 0, -1, {}});
+  const mesh::Spline before = model::splineOf(head);
+  const mesh::Vector3 near = before.at(0.5 * before.lastParameter() + 0.3);
+  carryOut(insertPoint(session, near));
+  const model::Curve more = tissue("biceps_brachii").curves[0];
+  CHECK(more.points.size() == head.points.size() + 1);
+  const auto added = static_cast<std::size_t>(session.selection().point);
+  CHECK((more.points[added].at - near).norm() < 0.01 * before.length());
+  carryOut(removeSelected(session));
+  CHECK(tissue("biceps_brachii").curves[0] == head);
+
+  session.select({"biceps_brachii", -1, -1, {}});
+  carryOut(thicken(session, 2.0));
+  CHECK(tissue("biceps_brachii").curves[0].points[0].tissue == 2.0 * head.points[0].tissue);
+  carryOut(duplicate(session));
+  CHECK(session.selection().tissue == "biceps_brachii 2");
+  CHECK(tissue("biceps_brachii 2").curves == tissue("biceps_brachii").curves);
+  carryOut(removeSelected(session));
+  CHECK_FALSE(model::findTissue(session.project(), "biceps_brachii 2"));
+
+  // Mirrored twice across one plane it is where it was
+  REQUIRE(waitFor([&] { return session.meshes() != nullptr; }));
+  const MirrorPlane plane{{0.0, 0.0, 0.0}, mesh::Vector3::UnitX()};
+  session.select({"supinator", -1, -1, {}});
+  const auto original = tissue("supinator");
+  carryOut(mirrored(session, plane));
+  const std::string first = session.selection().tissue;
+  const std::string other = first == "supinator_L" ? "supinator_R" : "supinator_L";
+  const auto image = tissue(other);
+  REQUIRE(image.curves.size() == original.curves.size());
+  for (std::size_t p = 1; p + 1 < image.curves[0].points.size(); ++p) {
+    mesh::Vector3 back = image.curves[0].points[p].at;
+    back.x() = -back.x();
+    CHECK((back - original.curves[0].points[p].at).norm() < 1e-12);
+  }
+  CHECK(image.side != original.side);
+}
