@@ -3,8 +3,18 @@
 #include <ecorche/tissue/near_curves.h>
 
 #include <algorithm>
+#include <vector>
 
 namespace ecorche::tissue {
+
+namespace {
+
+double corrected(double f, double off, bool own, double target) {
+  const double c = std::max(f - off, std::min(f, 0.0));
+  return own ? std::min(c, std::max(f, target)) : c;
+}
+
+}  // namespace
 
 void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
                        std::span<const double> targets, FieldMatrix& values) {
@@ -27,9 +37,27 @@ void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
     const Eigen::Index own = cores.samples[s].tissue.value - kFat.value;
     auto f = values.row(near.vertex);
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
-      const double corrected = std::max(f[j] - near.error * q(near.sample, j), std::min(f[j], 0.0));
-      f[j] = j == own ? std::min(corrected, std::max(f[j], targets[s])) : corrected;
+      f[j] = corrected(f[j], near.error * q(near.sample, j), j == own, targets[s]);
     }
+  }
+}
+
+void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
+                       Eigen::Ref<const Eigen::VectorXd> targets, TissueId field,
+                       Eigen::Ref<Eigen::VectorXd> f) {
+  EC_REQUIRE_EQ(static_cast<std::size_t>(targets.size()), cores.samples.size());
+  if (cores.nearCurves.empty()) return;
+  std::vector<double> q(cores.samples.size());
+  for (std::size_t s = 0; s < q.size(); ++s) {
+    const CoreSample& sample = cores.samples[s];
+    double flux = sample.tissue == field ? targets[static_cast<Eigen::Index>(s)] : 0.0;
+    for (int k = 0; k < 4; ++k) flux -= sample.barycentric[k] * f[domain.mesh.T(sample.tet, k)];
+    q[s] = flux * sample.weight / sample.length;
+  }
+  for (const NearCurve& near : cores.nearCurves) {
+    const auto s = static_cast<std::size_t>(near.sample);
+    f[near.vertex] = corrected(f[near.vertex], near.error * q[s], cores.samples[s].tissue == field,
+                               targets[near.sample]);
   }
 }
 

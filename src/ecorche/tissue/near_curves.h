@@ -23,5 +23,10 @@ namespace ecorche::tissue {
 /// @param values   solved fields, all rows
 void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
                        std::span<const double> targets, FieldMatrix& values);
+/// The same for one field alone, #V.
+/// @param targets  tissue value at the samples of `field`; others are not looked at
+void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
+                       Eigen::Ref<const Eigen::VectorXd> targets, TissueId field,
+                       Eigen::Ref<Eigen::VectorXd> f);
 
 }  // namespace ecorche::tissue

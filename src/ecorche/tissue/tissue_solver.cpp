@@ -133,6 +133,61 @@ struct TissueSolver::Impl {
     return {};
   }
 
+  // Logarithm of a tissue's tensor on its own rows, and their weights: seven right-hand sides
+  void addTensorTargets(const CoreSamples& cores, const CurveTissue& tissue, TissueId id,
+                        Eigen::Ref<Eigen::MatrixXd> columns) const {
+    for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
+      std::vector<const CoreSample*> own;
+      std::vector<double> u;
+      for (const CoreSample& s : cores.samples) {
+        if (s.tissue != id || s.curve != static_cast<std::int32_t>(c)) continue;
+        own.push_back(&s);
+        u.push_back(s.u);
+      }
+      const auto frames =
+          curveFrames(domain, tissue.curves[c].spline, tissue.anisotropy.rotation, u);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const Eigen::Matrix3d S = logTensor(frames[k], tissue.anisotropy);
+        const std::array<double, 7> entry = {S(0, 0), S(1, 1), S(2, 2), S(0, 1),
+                                             S(0, 2), S(1, 2), 1.0};
+        for (std::size_t e = 0; e < entry.size(); ++e) {
+          addTarget(*own[k], own[k]->weight * entry[e], columns.col(static_cast<Eigen::Index>(e)));
+        }
+      }
+    }
+  }
+
+  // An anisotropic tissue's own equations, from the spread logarithms. A line in its medium has
+  // √det(A across it) times the capacity; its own curve: √(λ2 λ3).
+  struct OwnSystem {
+    mesh::Cholesky factor;
+    std::vector<double> weight;  // per sample
+  };
+  [[nodiscard]] Result<OwnSystem> ownSystem(const CoreSamples& cores, const CurveTissue& tissue,
+                                            const Eigen::Ref<const Eigen::MatrixXd>& spread) const {
+    const auto A = tetTensors(spread, tissue.anisotropy);
+    std::vector<double> K =
+        mesh::assembleStiffness(domain.mesh, pattern, mesh::edgeStiffness(domain.mesh, A));
+    const auto weight = [&](const CoreSample& s) {
+      return s.weight * crossCapacity(A[static_cast<std::size_t>(s.tet)], s.tangent);
+    };
+    addCores(cores, weight, K);
+    OwnSystem out{mesh::Cholesky(*symbolic, K, 1), {}};
+    if (!out.factor.ok()) return singular(out.factor, tissue.name);
+    for (const CoreSample& s : cores.samples) out.weight.push_back(weight(s));
+    return out;
+  }
+
+  // Rows to vertices, 0 on skin
+  [[nodiscard]] Eigen::MatrixXd atVertices(const Eigen::MatrixXd& X) const {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(domain.mesh.V.rows(), X.cols());
+    for (Eigen::Index c = 0; c < X.cols(); ++c) {
+      for (Eigen::Index r = 0; r < X.rows(); ++r)
+        out(pattern.vertex[static_cast<std::size_t>(r)], c) = X(r, c);
+    }
+    return out;
+  }
+
   [[nodiscard]] tl::unexpected<Error> singular(const mesh::Cholesky& factor,
                                                const std::string& who) const {
     const Vector3 p = place(factor.badRow());
@@ -218,13 +273,83 @@ Result<TissueSolver> TissueSolver::create(const Domain& domain, RunContext& run)
   return TissueSolver(std::move(impl));
 }
 
+Result<TissueSolver::Factor> TissueSolver::factorise(const CoreSamples& cores,
+                                                     const TissueOptions& options,
+                                                     RunContext& run) const {
+  const Impl& I = *impl_;
+  if (run.cancelled()) return cancelled();
+  if (auto held = I.checkHeld(cores); !held) return passOn(held);
+  if (I.pattern.rowCount() == 0) return Factor();
+
+  // One factor serves fat, every isotropic field and the spreading of tensors: K = L + Bᵀ W B
+  std::vector<double> K = I.L;
+  I.addCores(
+      cores, [](const CoreSample& s) { return s.weight; }, K);
+  auto factor = std::make_shared<const mesh::Cholesky>(*I.symbolic, K, options.factorThreads);
+  if (!factor->ok()) return I.singular(*factor, "the tissue fields");
+  if (run.cancelled()) return cancelled();
+  return factor;
+}
+
 Result<TissueFields> TissueSolver::solve(const CoreSamples& cores,
                                          const std::vector<CurveTissue>& tissues,
                                          const TissueOptions& options, RunContext& run) const {
-  const Impl& I = *impl_;
   const Stage stage(run, "tissue fields");
+  auto factor = factorise(cores, options, run);
+  if (!factor) return passOn(factor);
+  run.progress("tissue fields", 0.5);
+  return solve(*factor, cores, tissues, options, run);
+}
+
+Eigen::MatrixXd TissueSolver::solveFat(const Factor& factor, const CoreSamples& cores) const {
+  const Impl& I = *impl_;
+  Eigen::MatrixXd X = Eigen::MatrixXd::Zero(I.pattern.rowCount(), 1);
+  for (const CoreSample& s : cores.samples) I.addTarget(s, s.weight, X.col(0));
+  if (factor) factor->solveInPlace(X);
+  X = (1.0 - X.array()).matrix();
+  Eigen::MatrixXd out = I.atVertices(X);
+  for (std::size_t v = 0; v < I.domain.onSkin.size(); ++v) {
+    if (I.domain.onSkin[v] != 0) out(static_cast<Eigen::Index>(v), 0) = 1.0;
+  }
+  return out;
+}
+
+Result<Eigen::MatrixXd> TissueSolver::solveTargets(const Factor& factor, const CoreSamples& cores,
+                                                   const std::vector<CurveTissue>& tissues,
+                                                   std::size_t tissue,
+                                                   const Eigen::MatrixXd& targets,
+                                                   RunContext& run) const {
+  EC_REQUIRE_EQ(static_cast<std::size_t>(targets.rows()), cores.samples.size());
+  const Impl& I = *impl_;
+  const TissueId id(kFirstMuscle.value + static_cast<std::int64_t>(tissue));
+  Eigen::MatrixXd X = Eigen::MatrixXd::Zero(I.pattern.rowCount(), targets.cols());
+  if (!factor) return I.atVertices(X);
+  std::optional<Impl::OwnSystem> own;
+  if (!tissues[tissue].anisotropy.isIsotropic()) {
+    Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(I.pattern.rowCount(), 7);
+    I.addTensorTargets(cores, tissues[tissue], id, spread);
+    factor->solveInPlace(spread, [&] { return run.cancelled(); });
+    if (run.cancelled()) return cancelled();
+    auto made = I.ownSystem(cores, tissues[tissue], spread);
+    if (!made) return passOn(made);
+    own.emplace(std::move(*made));
+  }
+  for (std::size_t s = 0; s < cores.samples.size(); ++s) {
+    if (cores.samples[s].tissue != id) continue;
+    const double weight = own ? own->weight[s] : cores.samples[s].weight;
+    for (Eigen::Index c = 0; c < targets.cols(); ++c)
+      I.addTarget(cores.samples[s], weight * targets(static_cast<Eigen::Index>(s), c), X.col(c));
+  }
+  (own ? own->factor : *factor).solveInPlace(X, [&] { return run.cancelled(); });
   if (run.cancelled()) return cancelled();
-  if (auto held = I.checkHeld(cores); !held) return passOn(held);
+  return I.atVertices(X);
+}
+
+Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples& cores,
+                                         const std::vector<CurveTissue>& tissues,
+                                         const TissueOptions& options, RunContext& run) const {
+  const Impl& I = *impl_;
+  if (run.cancelled()) return cancelled();
   const auto tissueCount = static_cast<Eigen::Index>(tissues.size());
   const Eigen::Index n = I.pattern.rowCount();
   const auto tissueOf = [&](const CoreSample& s) {
@@ -272,40 +397,12 @@ Result<TissueFields> TissueSolver::solve(const CoreSamples& cores,
     }
   }
   for (const std::size_t i : anisotropic) {
-    for (std::size_t c = 0; c < tissues[i].curves.size(); ++c) {
-      std::vector<const CoreSample*> own;
-      std::vector<double> u;
-      for (const CoreSample& s : cores.samples) {
-        if (tissueOf(s) != i || s.curve != static_cast<std::int32_t>(c)) continue;
-        own.push_back(&s);
-        u.push_back(s.u);
-      }
-      const auto frames =
-          curveFrames(I.domain, tissues[i].curves[c].spline, tissues[i].anisotropy.rotation, u);
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        const Eigen::Matrix3d S = logTensor(frames[k], tissues[i].anisotropy);
-        const std::array<double, 7> entry = {S(0, 0), S(1, 1), S(2, 2), S(0, 1),
-                                             S(0, 2), S(1, 2), 1.0};
-        for (std::size_t e = 0; e < entry.size(); ++e) {
-          I.addTarget(*own[k], own[k]->weight * entry[e],
-                      X.col(column[i] + static_cast<Eigen::Index>(e)));
-        }
-      }
-    }
+    I.addTensorTargets(cores, tissues[i],
+                       TissueId(kFirstMuscle.value + static_cast<std::int64_t>(i)),
+                       X.middleCols(column[i], 7));
   }
-
-  // One factor serves fat, every isotropic field and the spreading of tensors: K = L + Bᵀ W B
-  {
-    std::vector<double> K = I.L;
-    I.addCores(
-        cores, [](const CoreSample& s) { return s.weight; }, K);
-    const mesh::Cholesky factor(*I.symbolic, K, options.factorThreads);
-    if (!factor.ok()) return I.singular(factor, "the tissue fields");
-    run.progress("tissue fields", 0.5);
-    if (run.cancelled()) return cancelled();
-    factor.solveInPlace(X, [&] { return run.cancelled(); });
-    if (run.cancelled()) return cancelled();
-  }
+  factor->solveInPlace(X, [&] { return run.cancelled(); });
+  if (run.cancelled()) return cancelled();
   run.progress("tissue fields", 0.8);
 
   // Anisotropic tissues have their own matrix on the same pattern
@@ -317,27 +414,19 @@ Result<TissueFields> TissueSolver::solve(const CoreSamples& cores,
       [&](std::int64_t k) {
         if (run.cancelled()) return;
         const std::size_t i = anisotropic[static_cast<std::size_t>(k)];
-        const auto A = I.tetTensors(X.middleCols(column[i], 7), tissues[i].anisotropy);
-        std::vector<double> K = mesh::assembleStiffness(I.domain.mesh, I.pattern,
-                                                        mesh::edgeStiffness(I.domain.mesh, A));
-        // A line in this medium has √det(A across it) times the capacity; its own curve: √(λ2 λ3)
-        const auto weight = [&](const CoreSample& s) {
-          return s.weight * crossCapacity(A[static_cast<std::size_t>(s.tet)], s.tangent);
-        };
-        I.addCores(cores, weight, K);
+        auto system = I.ownSystem(cores, tissues[i], X.middleCols(column[i], 7));
         if (run.cancelled()) return;
-        const mesh::Cholesky factor(*I.symbolic, K, 1);
-        if (!factor.ok()) {
+        if (!system) {
           const std::lock_guard lock(mutex);
-          if (!error) error = I.singular(factor, tissues[i].name).value();
+          if (!error) error = system.error();
           return;
         }
         Eigen::MatrixXd x = Eigen::MatrixXd::Zero(n, 1);
         for (std::size_t s = 0; s < cores.samples.size(); ++s) {
           if (tissueOf(cores.samples[s]) != i) continue;
-          I.addTarget(cores.samples[s], weight(cores.samples[s]) * target[s], x.col(0));
+          I.addTarget(cores.samples[s], system->weight[s] * target[s], x.col(0));
         }
-        factor.solveInPlace(x);
+        system->factor.solveInPlace(x);
         own[i] = x.col(0);
       },
       1);

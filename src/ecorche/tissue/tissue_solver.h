@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ecorche/mesh/cholesky.h>
 #include <ecorche/tissue/tissue_fields.h>
 
 #include <memory>
@@ -31,6 +32,9 @@ namespace ecorche::tissue {
 /// lists after that.
 class TissueSolver {
  public:
+  /// What fat and all isotropic tissues share while no curve moves, kept for more right-hand sides.
+  using Factor = std::shared_ptr<const mesh::Cholesky>;
+
   /// Keeps a reference to the domain, which must outlive the solver.
   /// @errors  Cancelled
   [[nodiscard]] static Result<TissueSolver> create(const domain::Domain& domain, RunContext& run);
@@ -42,6 +46,26 @@ class TissueSolver {
   [[nodiscard]] Result<TissueFields> solve(const CoreSamples& cores,
                                            const std::vector<CurveTissue>& tissues,
                                            const TissueOptions& options, RunContext& run) const;
+
+  /// @errors  ComponentWithoutSkin (and without curve), SystemSingular (with the place), Cancelled
+  [[nodiscard]] Result<Factor> factorise(const CoreSamples& cores, const TissueOptions& options,
+                                         RunContext& run) const;
+  /// As solve, with the factor of the same curves and options.
+  [[nodiscard]] Result<TissueFields> solve(const Factor& factor, const CoreSamples& cores,
+                                           const std::vector<CurveTissue>& tissues,
+                                           const TissueOptions& options, RunContext& run) const;
+  /// Fields of one tissue for other targets, as they come from the equations: nothing corrected
+  /// near curves.
+  /// @param targets  #samples×k, the tissue's value at its own samples; others are not looked at
+  /// @return  #V×k, 0 on skin
+  /// @errors  SystemSingular, Cancelled
+  [[nodiscard]] Result<Eigen::MatrixXd> solveTargets(const Factor& factor, const CoreSamples& cores,
+                                                     const std::vector<CurveTissue>& tissues,
+                                                     std::size_t tissue,
+                                                     const Eigen::MatrixXd& targets,
+                                                     RunContext& run) const;
+  /// What the curves leave of fat: 1 on skin, as it comes from the equations, #V×1.
+  [[nodiscard]] Eigen::MatrixXd solveFat(const Factor& factor, const CoreSamples& cores) const;
 
   /// Entries of the factor, for reports.
   [[nodiscard]] double factorEntries() const;

@@ -1,0 +1,279 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/tissue/near_curves.h>
+#include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/value_fields.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <list>
+
+// Letters as in tissue_solver.cpp: D values at control points, φ the fields of unit values.
+
+namespace ecorche::tissue {
+
+namespace {
+
+constexpr double kSame = 1e-13;  // of the largest value: what rounding does, not an edit
+constexpr std::int64_t kGrain = 8192;
+
+// Fat is field 0, tissue i is field i + 1
+struct Basis {
+  Eigen::Index field = 0;
+  Eigen::MatrixXd phi;  // #V×#points, raw
+  Eigen::MatrixXd hat;  // #samples×#points: what D_p is worth at each sample of its own
+  Eigen::VectorXd D;    // of the last edit; empty before the first
+  Eigen::VectorXd raw;  // φ D
+};
+
+}  // namespace
+
+struct ValueFields::Impl {
+  std::shared_ptr<const domain::Domain> domain;
+  std::shared_ptr<const TissueSolver> solver;
+  TissueSolver::Factor factor;
+  CoreSamples cores;
+  std::vector<CurveTissue> tissues;
+  TissueOptions options;
+  TissueFields fields;
+  std::vector<TissueId> owner;
+
+  std::list<Basis> ready;  // the last one used first
+  std::optional<Eigen::MatrixXd> phiFat;
+
+  // The largest of the other fields at every vertex, for the one field that is being edited
+  Eigen::Index rivalsOf = -1;
+  std::vector<double> rival;
+  std::vector<std::int32_t> rivalField;  // -1: there is none
+
+  Eigen::VectorXd corrected;  // of the last edit
+
+  [[nodiscard]] Eigen::Index vertexCount() const { return domain->mesh.V.rows(); }
+  void findRivals(Eigen::Index field);
+  Changed take(Eigen::Index field);
+  [[nodiscard]] Result<const Basis*> basisOf(std::size_t tissue, RunContext& run);
+};
+
+ValueFields::ValueFields(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ValueFields::ValueFields(ValueFields&&) noexcept = default;
+ValueFields& ValueFields::operator=(ValueFields&&) noexcept = default;
+ValueFields::~ValueFields() = default;
+
+const TissueFields& ValueFields::fields() const { return impl_->fields; }
+const CoreSamples& ValueFields::cores() const { return impl_->cores; }
+const std::vector<CurveTissue>& ValueFields::tissues() const { return impl_->tissues; }
+const std::vector<TissueId>& ValueFields::owners() const { return impl_->owner; }
+
+Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> domain,
+                                        std::shared_ptr<const TissueSolver> solver,
+                                        CoreSamples cores, std::vector<CurveTissue> tissues,
+                                        TissueOptions options, RunContext& run) {
+  const Stage stage(run, "tissue fields");
+  auto impl = std::make_unique<Impl>();
+  impl->domain = std::move(domain);
+  impl->solver = std::move(solver);
+  impl->cores = std::move(cores);
+  impl->tissues = std::move(tissues);
+  impl->options = options;
+  auto factor = impl->solver->factorise(impl->cores, options, run);
+  if (!factor) return passOn(factor);
+  impl->factor = std::move(*factor);
+  auto fields = impl->solver->solve(impl->factor, impl->cores, impl->tissues, options, run);
+  if (!fields) return passOn(fields);
+  impl->fields = std::move(*fields);
+  impl->owner = vertexOwners(impl->fields);
+  return ValueFields(std::move(impl));
+}
+
+// Ties as ownerOf decides them: of equal fields the tissue of lowest id wins, fat always loses.
+void ValueFields::Impl::findRivals(Eigen::Index field) {
+  if (rivalsOf == field) return;
+  rivalsOf = field;
+  rival.resize(static_cast<std::size_t>(vertexCount()));
+  rivalField.resize(rival.size());
+  const FieldMatrix& f = fields.values;
+  parallelFor(
+      vertexCount(),
+      [&](std::int64_t v) {
+        double best = -std::numeric_limits<double>::infinity();
+        Eigen::Index who = -1;
+        for (Eigen::Index j = 1; j < f.cols(); ++j) {
+          if (j == field || !(f(v, j) > best)) continue;
+          best = f(v, j);
+          who = j;
+        }
+        if (field != 0 && fields.fatIsCandidate && (who < 0 || f(v, 0) > best)) {
+          best = f(v, 0);
+          who = 0;
+        }
+        rival[static_cast<std::size_t>(v)] = best;
+        rivalField[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(who);
+      },
+      kGrain);
+}
+
+// Writes a field that was made anew, and owners with it.
+ValueFields::Changed ValueFields::Impl::take(Eigen::Index field) {
+  const Eigen::Index n = vertexCount();
+  const bool competes = field != 0 || fields.fatIsCandidate;
+  const std::int64_t chunks = (n + kGrain - 1) / kGrain;
+  std::vector<Changed> parts(static_cast<std::size_t>(chunks));
+  parallelFor(
+      chunks,
+      [&](std::int64_t chunk) {
+        Changed& part = parts[static_cast<std::size_t>(chunk)];
+        const double same = kSame * fields.maxValue;
+        for (std::int64_t v = chunk * kGrain; v < std::min<std::int64_t>(n, (chunk + 1) * kGrain);
+             ++v) {
+          double& f = fields.values(v, field);
+          if (std::abs(corrected[v] - f) > same)
+            part.vertices.push_back(static_cast<std::int32_t>(v));
+          f = corrected[v];
+          const auto k = static_cast<std::size_t>(v);
+          const std::int32_t other = rivalField[k];
+          bool wins = competes;
+          if (other >= 0 && competes) {
+            // Fat beats nobody at a tie; among tissues the lower id does
+            wins = field == 0   ? f > rival[k]
+                   : other == 0 ? !(rival[k] > f)
+                                : f > rival[k] || (f == rival[k] && field < other);
+          }
+          const TissueId now(wins || other < 0 ? field + 1 : other + 1);
+          if (now != owner[k]) {
+            owner[k] = now;
+            ++part.owners;
+            if (part.vertices.empty() || part.vertices.back() != v)
+              part.vertices.push_back(static_cast<std::int32_t>(v));
+          }
+        }
+      },
+      1);
+  Changed out;
+  for (const Changed& part : parts) {
+    out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
+    out.owners += part.owners;
+  }
+  return out;
+}
+
+Result<const Basis*> ValueFields::Impl::basisOf(std::size_t tissue, RunContext& run) {
+  EC_REQUIRE(tissue < tissues.size());
+  const auto field = static_cast<Eigen::Index>(tissue) + 1;
+  const auto known =
+      std::ranges::find_if(ready, [&](const Basis& basis) { return basis.field == field; });
+  if (known != ready.end()) {
+    ready.splice(ready.begin(), ready, known);
+    return &ready.front();
+  }
+  Basis basis;
+  basis.field = field;
+  Eigen::Index points = 0;
+  std::vector<Eigen::Index> first;
+  for (const TissueCurve& curve : tissues[tissue].curves) {
+    first.push_back(points);
+    points += static_cast<Eigen::Index>(curve.values.size());
+  }
+  const TissueId id(field + 1);
+  basis.hat = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(cores.samples.size()), points);
+  for (std::size_t s = 0; s < cores.samples.size(); ++s) {
+    const CoreSample& sample = cores.samples[s];
+    if (sample.tissue != id) continue;
+    const auto c = static_cast<std::size_t>(sample.curve);
+    std::vector<double> unit(tissues[tissue].curves[c].values.size(), 0.0);
+    // Values are linear in arc length between points: two of them count
+    const auto left = std::min(static_cast<std::size_t>(sample.u), unit.size() - 1);
+    for (std::size_t p = left; p < std::min(left + 2, unit.size()); ++p) {
+      unit[p] = 1.0;
+      basis.hat(static_cast<Eigen::Index>(s), first[c] + static_cast<Eigen::Index>(p)) =
+          tissues[tissue].curves[c].spline.interpolate(unit, sample.u);
+      unit[p] = 0.0;
+    }
+  }
+  auto phi = solver->solveTargets(factor, cores, tissues, tissue, basis.hat, run);
+  if (!phi) return passOn(phi);
+  basis.phi = std::move(*phi);
+  ready.push_front(std::move(basis));
+  if (ready.size() > kReady) ready.pop_back();
+  return &ready.front();
+}
+
+Result<void> ValueFields::touch(std::size_t tissue, RunContext& run) {
+  auto basis = impl_->basisOf(tissue, run);
+  if (!basis) return passOn(basis);
+  impl_->findRivals((*basis)->field);
+  return {};
+}
+
+Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
+                                                    const std::vector<std::vector<double>>& values,
+                                                    RunContext& run) {
+  Impl& I = *impl_;
+  if (auto ready = touch(tissue, run); !ready) return passOn(ready);
+  Basis& basis = I.ready.front();
+  CurveTissue& own = I.tissues[tissue];
+  EC_REQUIRE_EQ(values.size(), own.curves.size());
+  Eigen::VectorXd D(basis.phi.cols());
+  Eigen::Index p = 0;
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    EC_REQUIRE_EQ(values[c].size(), own.curves[c].values.size());
+    own.curves[c].values = values[c];
+    for (const double value : values[c]) D[p++] = value;
+  }
+  I.fields.maxValue = I.options.fat;
+  for (const CurveTissue& t : I.tissues) {
+    for (const TissueCurve& c : t.curves)
+      I.fields.maxValue = std::max(I.fields.maxValue, *std::ranges::max_element(c.values));
+  }
+
+  // f = Σ_p D_p φ_p, then what linear tets make wrong of it near curves. A slider moves one value
+  // of many: its share is added
+  const bool fresh = basis.D.size() == 0;
+  std::vector<Eigen::Index> moved;
+  for (Eigen::Index k = 0; k < D.size(); ++k) {
+    if (fresh || D[k] != basis.D[k]) moved.push_back(k);
+  }
+  const bool whole = fresh || 2 * static_cast<Eigen::Index>(moved.size()) > D.size();
+  const Eigen::Index n = I.vertexCount();
+  basis.raw.resize(n);
+  parallelFor((n + kGrain - 1) / kGrain,
+              [&](std::int64_t chunk) {
+                const Eigen::Index begin = chunk * kGrain;
+                const Eigen::Index count = std::min<Eigen::Index>(kGrain, n - begin);
+                if (whole) {
+                  basis.raw.segment(begin, count).noalias() =
+                      basis.phi.middleRows(begin, count) * D;
+                } else {
+                  for (const Eigen::Index k : moved)
+                    basis.raw.segment(begin, count) +=
+                        (D[k] - basis.D[k]) * basis.phi.col(k).segment(begin, count);
+                }
+              },
+              1);
+  basis.D = D;
+  const Eigen::VectorXd target = basis.hat * D;
+  I.corrected = basis.raw;
+  correctNearCurves(*I.domain, I.cores, target, TissueId(basis.field + 1), I.corrected);
+  return I.take(basis.field);
+}
+
+ValueFields::Changed ValueFields::setFat(double fat) {
+  EC_REQUIRE(fat >= 0.0);
+  Impl& I = *impl_;
+  if (!I.phiFat) I.phiFat = I.solver->solveFat(I.factor, I.cores);
+  I.options.fat = fat;
+  I.fields.fatIsCandidate = fat > 0.0;
+  I.fields.maxValue = fat;
+  for (const CurveTissue& t : I.tissues) {
+    for (const TissueCurve& c : t.curves)
+      I.fields.maxValue = std::max(I.fields.maxValue, *std::ranges::max_element(c.values));
+  }
+  I.findRivals(0);
+  const Eigen::VectorXd target =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(I.cores.samples.size()));
+  I.corrected = fat * I.phiFat->col(0);
+  correctNearCurves(*I.domain, I.cores, target, kFat, I.corrected);
+  return I.take(0);
+}
+
+}  // namespace ecorche::tissue

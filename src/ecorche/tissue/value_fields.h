@@ -1,0 +1,67 @@
+#pragma once
+
+#include <ecorche/domain/domain.h>
+#include <ecorche/tissue/tissue_solver.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace ecorche::tissue {
+
+/// Fields that follow tissue values and fat at once, while no curve moves.
+///
+/// Fields are linear in the values: f_i = Σ_p D_p φ_p, φ_p the field of a value 1 at control point
+/// p and 0 at all others, and f_fat = d_fat φ_fat (docs/algorithms/tissue_fields.md). The functions
+/// φ of a tissue are solved for when it is first touched, with the factor that solved the fields;
+/// from then on a value costs a few passes over the vertices. Owners come along: a tissue's field
+/// is compared with the largest of the others, which is looked for once per touch.
+///
+/// After any edits fields are those of a solve from scratch, to rounding.
+class ValueFields {
+ public:
+  /// Solves the fields. Keeps the solver and everything else that it is given.
+  /// @errors  those of TissueSolver::solve
+  [[nodiscard]] static Result<ValueFields> create(std::shared_ptr<const domain::Domain> domain,
+                                                  std::shared_ptr<const TissueSolver> solver,
+                                                  CoreSamples cores,
+                                                  std::vector<CurveTissue> tissues,
+                                                  TissueOptions options, RunContext& run);
+  ValueFields(ValueFields&&) noexcept;
+  ValueFields& operator=(ValueFields&&) noexcept;
+  ~ValueFields();
+
+  [[nodiscard]] const TissueFields& fields() const;
+  [[nodiscard]] const CoreSamples& cores() const;
+  [[nodiscard]] const std::vector<CurveTissue>& tissues() const;
+  [[nodiscard]] const std::vector<TissueId>& owners() const;  ///< #V
+
+  /// What an edit changed.
+  struct Changed {
+    std::vector<std::int32_t> vertices;  ///< where the field is another one, ascending
+    std::int64_t owners = 0;             ///< at how many of them the owner is
+  };
+
+  /// Gets a tissue ready, which otherwise its first edit does. Those used longest ago are forgotten
+  /// when there are more than kReady.
+  /// @errors  SystemSingular, Cancelled
+  [[nodiscard]] Result<void> touch(std::size_t tissue, RunContext& run);
+  static constexpr std::size_t kReady = 4;
+
+  /// All values of one tissue.
+  /// @param values  one list per curve, one value per control point [unitless, > 0]
+  /// @errors  those of touch
+  [[nodiscard]] Result<Changed> setValues(std::size_t tissue,
+                                          const std::vector<std::vector<double>>& values,
+                                          RunContext& run);
+  /// @param fat  value on skin [unitless, ≥ 0]; 0: fat owns nothing
+  [[nodiscard]] Changed setFat(double fat);
+
+ private:
+  struct Impl;
+  explicit ValueFields(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ecorche::tissue
