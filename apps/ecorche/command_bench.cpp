@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "bench.h"
 #include "cli.h"
 #include "counts.h"
 #include "table.h"
@@ -30,18 +31,6 @@ struct BenchArguments {
 };
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
-
-// The form of every bench (DESIGN, command line): machine and cases
-Json header(const char* bench) {
-  const exchange::MachineFigures machine = engine::thisMachine();
-  return {{"bench", bench},
-          {"machine",
-           {{"processor", machine.processor},
-            {"cores", machine.cores},
-            {"threads", machine.threads},
-            {"blas", machine.blas}}},
-          {"cases", Json::array()}};
-}
 
 double muscleVolume(const std::vector<double>& volume,
                     const std::vector<tissue::CurveTissue>& tissues) {
@@ -93,7 +82,7 @@ Json volumesJson(const std::vector<double>& volume,
 }
 
 Json resolutionJson(const engine::ResolutionBench& bench, const char* name) {
-  Json out = header(name);
+  Json out = benchHeader(name);
   const auto& finest = bench.cases.back();
   const auto change = [&](const std::vector<double>& now, const std::vector<double>& reference) {
     return muscleVolume(now, bench.tissues) / muscleVolume(reference, bench.tissues) - 1.0;
@@ -197,7 +186,7 @@ Result<void> runScale(const BenchArguments& args, Session& session) {
   auto cases = engine::benchScale(*project, args.factors, *tets, session.run);
   if (!cases) return passOn(cases);
   const auto tissues = engine::curveTissues(*project);
-  Json json = header("scale");
+  Json json = benchHeader("scale");
   Table table({{"factor", Table::Align::Right},
                {"tets", Table::Align::Right},
                {"same tets", Table::Align::Left},
@@ -225,6 +214,17 @@ Result<void> runScale(const BenchArguments& args, Session& session) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json benchHeader(const char* bench) {
+  const exchange::MachineFigures machine = engine::thisMachine();
+  return {{"bench", bench},
+          {"machine",
+           {{"processor", machine.processor},
+            {"cores", machine.cores},
+            {"threads", machine.threads},
+            {"blas", machine.blas}}},
+          {"cases", Json::array()}};
+}
 
 void addBench(CLI::App& app, Commands& commands) {
   auto args = std::make_shared<BenchArguments>();
@@ -261,10 +261,12 @@ void addBench(CLI::App& app, Commands& commands) {
       "Examples:\n"
       "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
       "  ecorche bench preview hind-limb.ecorche --preview 640k --tets 640k\n"
-      "  ecorche bench scale hind-limb.ecorche --tets 640k --json");
+      "  ecorche bench scale hind-limb.ecorche --tets 640k --json\n"
+      "  ecorche bench values left-39.ecorche --tets 640k");
   commands.push_back({resolution, [args](Session& s) { return runResolution(*args, s); }});
   commands.push_back({preview, [args](Session& s) { return runPreview(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
+  addBenchValues(*bench, commands);
 }
 
 }  // namespace ecorche::cli

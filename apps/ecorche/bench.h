@@ -1,0 +1,14 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "cli.h"
+
+namespace ecorche::cli {
+
+/// The form of every bench (DESIGN, command line): its name, the machine, and no case yet.
+[[nodiscard]] nlohmann::ordered_json benchHeader(const char* bench);
+
+void addBenchValues(CLI::App& bench, Commands& commands);
+
+}  // namespace ecorche::cli
