@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/mesh/surface_mesh.h>
+#include <ecorche/render/volume_item.h>
 
 #include <array>
 #include <memory>
@@ -73,6 +74,7 @@ struct Scene {
   std::vector<SurfaceItem> surfaces;
   std::vector<LineItem> lines;
   std::vector<PointItem> points;
+  std::optional<VolumeItem> volume;  ///< tissues drawn from their fields
   std::optional<ClipPlane>
       clip;  ///< surfaces are cut there; caps are given as surfaces by whoever fills the scene
   Rgba background{1.0f, 1.0f, 1.0f, 1.0f};
