@@ -31,8 +31,7 @@ struct VolumeHit {
 ///
 /// Walks from tet to tet; no ray slips through between two of them. Where the ray is in a tet,
 /// every field is linear along it, so the owner at the way in and every change of owner is solved.
-/// Tissues whose opacity is below 1 or that are shifted are looked for after the others, as they
-/// are drawn.
+/// Tissues whose opacity is below 1 are hit only where no opaque one is.
 ///
 /// @param clip  what its normal points at is kept; where it cuts a tissue that is visible or
 /// `inCut`, that is hit
@@ -42,7 +41,7 @@ struct VolumeHit {
 [[nodiscard]] std::optional<VolumeHit> castRay(const Ray& ray, const VolumeItem& item,
                                                const std::optional<ClipPlane>& clip = {});
 
-/// A ray for every pixel's middle, on all threads.
+/// A ray for every pixel's middle, on all threads; opaque tissues only.
 [[nodiscard]] TissueImage castImage(const Camera& camera, int width, int height,
                                     const VolumeItem& item,
                                     const std::optional<ClipPlane>& clip = {});

@@ -37,6 +37,8 @@ struct SurfaceItem {
   bool clipped = true;      ///< false: the clip plane leaves it alone (caps)
   bool castsShadow = true;  ///< opaque surfaces only
   std::uint64_t revision = 0;
+
+  bool operator==(const SurfaceItem&) const = default;
 };
 
 /// Lines, drawn as round tubes that take the light: curves, fibres.
@@ -52,6 +54,8 @@ struct LineItem {
   bool clipped =
       false;  ///< true: the clip plane takes away what lies behind it, to the nearest point
   std::uint64_t revision = 0;
+
+  bool operator==(const LineItem&) const = default;
 };
 
 /// Balls of a radius in pixels: control points.
@@ -62,11 +66,15 @@ struct PointItem {
   float radiusPixels = 4.0f;
   bool onTop = false;
   std::uint64_t revision = 0;
+
+  bool operator==(const PointItem&) const = default;
 };
 
 struct ClipPlane {
   mesh::Vector3 point = mesh::Vector3::Zero();    // [m]
   mesh::Vector3 normal = mesh::Vector3::UnitX();  // what the normal points at is kept
+
+  bool operator==(const ClipPlane&) const = default;
 };
 
 /// Everything in a picture but the eye.

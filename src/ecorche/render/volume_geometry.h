@@ -56,6 +56,10 @@ class VolumeGeometry {
   [[nodiscard]] std::int32_t clusterOf(std::int32_t tet) const {
     return cluster_[static_cast<std::size_t>(tet)];
   }
+  [[nodiscard]] const std::vector<std::int32_t>& tetsByCluster() const { return byCluster_; }
+  [[nodiscard]] const mesh::Box& clusterBox(std::int32_t cluster) const {
+    return clusterBoxes_[static_cast<std::size_t>(cluster)];
+  }
 
   /// Where the whole line of the ray enters tets through the boundary, ordered along it; places
   /// before `from` have a distance below 0.
@@ -83,7 +87,9 @@ class VolumeGeometry {
   std::vector<std::array<Eigen::Vector3f, 3>> faceNormals_;
   Stencils stencils_;
   std::vector<std::int32_t> cluster_;
+  std::vector<std::int32_t> byCluster_;  // all tets
   std::int32_t clusterCount_ = 0;
+  std::vector<mesh::Box> clusterBoxes_;
   std::vector<Node> nodes_;
   std::vector<std::int32_t> order_;
 
