@@ -100,8 +100,12 @@ Texture makeTexture2D(GLenum internalFormat, int width, int height) {
   const bool depth = internalFormat == GL_DEPTH_COMPONENT32F;
   Texture texture = Texture::make();
   glBindTexture(GL_TEXTURE_2D, texture.id());
+  const bool whole = internalFormat == GL_RG32UI;
   glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internalFormat), width, height, 0,
-               depth ? GL_DEPTH_COMPONENT : GL_RGBA, GL_FLOAT, nullptr);
+               depth   ? GL_DEPTH_COMPONENT
+               : whole ? GL_RG_INTEGER
+                       : GL_RGBA,
+               whole ? GL_UNSIGNED_INT : GL_FLOAT, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);

@@ -1,6 +1,7 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/render/gpu_scene.h>
+#include <ecorche/render/slice.h>
 
 #include <algorithm>
 #include <array>
@@ -192,23 +193,60 @@ Result<void> GpuScene::upload(const Scene& scene) {
   if (scene.surfaces.size() >= kNotClipped)
     return fail(ErrorCode::NoGraphics,
                 "more than 32,767 surfaces in one picture; join those that share a colour");
-  box_ = mesh::Box{};
-  for (const SurfaceItem& item : scene.surfaces) {
-    EC_REQUIRE(item.mesh != nullptr);
-    box_.add(mesh::boundingBox(*item.mesh));
+  const bool sameClip = held_.any && scene.clip == held_.clip;
+  bool sameSurfaces = sameClip && scene.surfaces == held_.surfaces;
+  bool sameLines = sameClip && scene.lines == held_.lines;
+  bool samePoints = held_.any && scene.points == held_.points;
+  if (!sameSurfaces) {
+    for (const SurfaceItem& item : scene.surfaces) EC_REQUIRE(item.mesh != nullptr);
+    Scene bare;
+    bare.surfaces = scene.surfaces;
+    bare.clip = scene.clip;
+    capped_ = withCaps(bare);
+    if (capped_.surfaces.size() >= kNotClipped)
+      return fail(ErrorCode::NoGraphics,
+                  "more than 32,767 surfaces and cuts in one picture; join those that share a colour");
+    held_.surfaces = scene.surfaces;
+    held_.surfaceBox = mesh::Box{};
+    for (const SurfaceItem& item : capped_.surfaces)
+      held_.surfaceBox.add(mesh::boundingBox(*item.mesh));
   }
-  for (const LineItem& item : scene.lines)
-    if (item.lines)
-      for (const auto& line : *item.lines)
-        for (const mesh::Vector3& p : line) box_.add(p);
-  for (const PointItem& item : scene.points)
-    if (item.points)
-      for (const mesh::Vector3& p : *item.points) box_.add(p);
-  origin_ = box_.empty() ? mesh::Vector3::Zero() : box_.centre();
+  if (!sameLines) {
+    held_.lines = scene.lines;
+    held_.lineBox = mesh::Box{};
+    for (const LineItem& item : scene.lines)
+      if (item.lines)
+        for (const auto& line : *item.lines)
+          for (const mesh::Vector3& p : line) held_.lineBox.add(p);
+  }
+  if (!samePoints) {
+    held_.points = scene.points;
+    held_.pointBox = mesh::Box{};
+    for (const PointItem& item : scene.points)
+      if (item.points)
+        for (const mesh::Vector3& p : *item.points) held_.pointBox.add(p);
+  }
+  held_.clip = scene.clip;
 
-  uploadSurfaces(scene);
-  uploadLines(scene);
-  uploadPoints(scene);
+  box_ = mesh::Box{};
+  for (const mesh::Box* box : {&held_.surfaceBox, &held_.lineBox, &held_.pointBox})
+    if (!box->empty()) box_.add(*box);
+  if (scene.volume) {
+    const mesh::Box& box = scene.volume->geometry->box();
+    for (const VolumeTissue& tissue : scene.volume->tissues)
+      if (!box.empty()) box_.add(mesh::Box{box.lo + tissue.shift, box.hi + tissue.shift});
+  }
+  // The middle stays where it was while that serves: a point more does not send everything again
+  const mesh::Vector3 middle = box_.empty() ? mesh::Vector3::Zero() : box_.centre();
+  if (!held_.any || !((middle - origin_).norm() <= 0.25 * box_.diagonal())) {
+    sameSurfaces = sameLines = samePoints = false;
+    origin_ = middle;
+  }
+  held_.any = true;
+
+  if (!sameSurfaces) uploadSurfaces(capped_);
+  if (!sameLines) uploadLines(scene);
+  if (!samePoints) uploadPoints(scene);
   return {};
 }
 

@@ -29,9 +29,9 @@ struct InstanceBatch {
   GLsizei count = 0;
 };
 
-/// A scene on the graphics card. Positions are relative to `origin`, so that 32 bits do for a model
-/// that lies far from zero. Only what changed is prepared again: meshes by their address and
-/// revision.
+/// A scene on the graphics card, but for its volume. Positions are relative to `origin`, so that 32
+/// bits do for a model that lies far from zero. Only what changed is prepared again, meshes by their
+/// address and revision, and only kinds of things that changed are sent again.
 class GpuScene {
  public:
   /// @errors NoGraphics if the scene has more items than a batch can number (32,767)
@@ -40,7 +40,7 @@ class GpuScene {
   [[nodiscard]] const mesh::Vector3& origin() const { return origin_; }
   [[nodiscard]] const mesh::Box& box() const {
     return box_;
-  }  ///< of surfaces, lines and points, world
+  }  ///< of surfaces, lines, points and the volume, world
   [[nodiscard]] const TriangleBatch& opaque() const { return opaque_; }
   [[nodiscard]] const TriangleBatch& veils() const { return veils_; }
   [[nodiscard]] const InstanceBatch& tubes(bool onTop) const { return tubes_[onTop ? 1 : 0]; }
@@ -75,6 +75,17 @@ class GpuScene {
   gl::Texture materials_;
   std::vector<Eigen::Vector3f> corners_;
   std::map<const mesh::SurfaceMesh*, Prepared> prepared_;
+  // What the buffers hold
+  struct Held {
+    std::vector<SurfaceItem> surfaces;
+    std::vector<LineItem> lines;
+    std::vector<PointItem> points;
+    std::optional<ClipPlane> clip;
+    mesh::Box surfaceBox, lineBox, pointBox;
+    bool any = false;
+  };
+  Held held_;
+  Scene capped_;  // surfaces with their cuts filled
 
   const Prepared& prepare(const SurfaceItem& item);
   void uploadSurfaces(const Scene& scene);

@@ -1,12 +1,13 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/render/gpu_scene.h>
+#include <ecorche/render/gpu_volume.h>
 #include <ecorche/render/light_rig.h>
 #include <ecorche/render/offscreen.h>
 #include <ecorche/render/renderer.h>
 #include <ecorche/render/shaders.h>
 #include <ecorche/render/shadow_fit.h>
-#include <ecorche/render/slice.h>
 #include <ecorche/render/views.h>
+#include <ecorche/render/volume_shaders.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -21,6 +22,7 @@ using mesh::Vector3;
 constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a pixel
 
 struct Programs {
+  gl::Program volume, volumeSurface, volumeVeil;
   gl::Program mesh, shadow, tube, tubeOnTop, ball, ballOnTop, shade, veil, copy, resolve;
 
   static Result<Programs> build() {
@@ -33,6 +35,11 @@ struct Programs {
       return {};
     };
     Result<void> ok;
+    if (ok) ok = make(p.volume, "volume", glsl::volumeVertex(), glsl::volumeFragment());
+    if (ok)
+      ok = make(p.volumeSurface, "volume surface", glsl::screenVertex(),
+                glsl::volumeSurfaceFragment());
+    if (ok) ok = make(p.volumeVeil, "volume veil", glsl::screenVertex(), glsl::volumeVeilFragment());
     if (ok) ok = make(p.mesh, "mesh", glsl::meshVertex(), glsl::meshFragment());
     if (ok) ok = make(p.shadow, "shadow", glsl::shadowVertex(), glsl::shadowFragment());
     if (ok) ok = make(p.tube, "tube", glsl::tubeVertex(), glsl::tubeFragment(false));
@@ -56,6 +63,8 @@ struct Targets {
   gl::Texture light;                  // lit, with veils
   gl::Texture veilLight, veilDepth[2], veilSum;
   gl::Texture sum;  // over passes
+  gl::Texture found, foundDepth;  // records of the volume, and the faces they were entered by
+  gl::Framebuffer steps;
   gl::Framebuffer seen, lit, layer[2], veils, total;
 
   static Result<Targets> make(int width, int height) {
@@ -80,7 +89,10 @@ struct Targets {
       into = std::move(*made);
       return {};
     };
+    t.found = gl::makeTexture2D(GL_RG32UI, width, height);
+    t.foundDepth = deep();
     Result<void> ok;
+    if (ok) ok = frame(t.steps, {&t.found}, &t.foundDepth);
     if (ok) ok = frame(t.seen, {&t.colour, &t.normal}, &t.depth);
     if (ok) ok = frame(t.lit, {&t.light}, nullptr);
     if (ok) ok = frame(t.layer[0], {&t.veilLight}, &t.veilDepth[0]);
@@ -113,10 +125,15 @@ struct Renderer::Impl {
   Programs programs;
   Targets targets;
   GpuScene scene;
+  std::optional<GpuVolume> volume;
   gl::VertexArray noVertices = gl::VertexArray::make();
   gl::Framebuffer shadowFrame = gl::Framebuffer::make();
   gl::Texture shadows;
   gl::Query drawn = gl::Query::make();
+  gl::VertexArray volumeCasters = gl::VertexArray::make();
+  gl::Buffer volumeCasterData = gl::Buffer::make();
+  GLsizei volumeCasterCount = 0;
+  bool showsVolume = false;
   int shadowSize = 0;
   int shadowLayers = 0;
 
@@ -140,6 +157,9 @@ struct Renderer::Impl {
   void pass();
   void drawShadows();
   void drawSeen();
+  void findSteps(const GpuVolumeLayer& layer);
+  void drawVolume();
+  void drawVolumeVeils();
   void shade();
   void drawVeils();
   void drawOnTop();
@@ -149,6 +169,8 @@ struct Renderer::Impl {
   void setEye(const gl::Program& p) const;
   void setLights(const gl::Program& p) const;
   void setClip(const gl::Program& p) const;
+  void setVolume(const gl::Program& p, const GpuVolumeLayer& layer) const;
+  std::vector<Eigen::Vector3f> casterCorners();
   void drawScreen() const;
   void drawOpaque(GLsizei count) const;
   void drawTubes(const gl::Program& p, bool onTop) const;
@@ -170,7 +192,13 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
   clip = newScene.clip;
   background = newScene.background;
   passesDone = 0;
-  if (auto ok = scene.upload(withCaps(newScene)); !ok) return ok;
+  if (auto ok = scene.upload(newScene); !ok) return ok;
+  showsVolume = newScene.volume.has_value();
+  if (showsVolume) {
+    if (!volume) volume.emplace();
+    if (auto ok = volume->update(*newScene.volume, clip); !ok) return ok;
+    volume->lookFrom(camera, o.width, o.height, scene.box());
+  }
   if (targets.width != o.width || targets.height != o.height) {
     auto made = Targets::make(o.width, o.height);
     if (!made) return passOn(made);
@@ -178,7 +206,8 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
   }
 
   // Shadows cost a drawing of everything per direction: in large scenes several passes share them
-  const GLsizei triangles = scene.opaque().casterCount / 3;
+  const std::vector<Eigen::Vector3f> corners = casterCorners();
+  const auto triangles = static_cast<GLsizei>(scene.opaque().casterCount / 3 + volumeCasterCount / 3);
   const int lightCount =
       std::clamp(o.lightsPerPass.value_or(triangles > 750'000 ? 8 : 10), 4, glsl::kMaxLights);
   passesPerLights = triangles > 1'500'000 ? 4 : triangles > 250'000 ? 2 : 1;
@@ -195,10 +224,10 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
 
   const Eigen::Matrix4d unjittered =
       viewProjection(camera, o.width, o.height, scene.box(), scene.origin());
-  focus = shadowFocus(scene.casterCorners(), unjittered.cast<float>());
+  focus = shadowFocus(corners, unjittered.cast<float>());
   if (o.ground) {
     lowest = std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3f& p : scene.casterCorners())
+    for (const Eigen::Vector3f& p : corners)
       lowest = std::min(lowest, o.ground->normalized().dot(p.cast<double>()));
   }
 
@@ -222,6 +251,52 @@ void Renderer::Impl::setEye(const gl::Program& p) const {
   p.set("uParallel", parallel ? 1.0f : 0.0f);
   p.set("uPixel", static_cast<float>(pixelSize(camera, options.height)));
   p.set("uSize", {static_cast<float>(options.width), static_cast<float>(options.height)}, 2);
+}
+
+// Opaque triangles relative to the scene's origin, those of the volume's surfaces with them.
+std::vector<Eigen::Vector3f> Renderer::Impl::casterCorners() {
+  std::vector<Eigen::Vector3f> corners = scene.casterCorners();
+  volumeCasterCount = 0;
+  if (!showsVolume) return corners;
+  const std::vector<Eigen::Vector3f>& surface = volume->surface();
+  const Eigen::Vector3f shift = (volume->origin() - scene.origin()).cast<float>();
+  const std::size_t first = corners.size();
+  corners.reserve(first + surface.size());
+  for (const Eigen::Vector3f& p : surface) corners.emplace_back(p + shift);
+  volumeCasterCount = static_cast<GLsizei>(surface.size());
+  glBindVertexArray(volumeCasters.id());
+  glBindBuffer(GL_ARRAY_BUFFER, volumeCasterData.id());
+  glBufferData(GL_ARRAY_BUFFER,
+               static_cast<GLsizeiptr>(surface.size() * sizeof(Eigen::Vector3f)),
+               surface.empty() ? nullptr : &corners[first], GL_STATIC_DRAW);
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector3f), nullptr);
+  glBindVertexArray(0);
+  return corners;
+}
+
+// Places are relative to the volume's own origin, moved with the layer.
+void Renderer::Impl::setVolume(const gl::Program& p, const GpuVolumeLayer& layer) const {
+  const Vector3 origin = volume->origin() + layer.layer.shift;
+  const Eigen::Matrix4d m = viewProjection(camera, options.width, options.height, scene.box(),
+                                           origin, jitterOf(passesDone, options.samples));
+  const Eigen::Matrix4f toClip = m.cast<float>();
+  const Eigen::Matrix4f fromClip = m.inverse().cast<float>();
+  p.setMatrix("uViewProjection", toClip.data());
+  p.setMatrix("uInverse", fromClip.data());
+  p.set("uEye", floats(camera.eye - origin), 3);
+  p.set("uForward", floats(-eye.back), 3);
+  p.set("uUpAxis", floats(eye.up), 3);
+  p.set("uParallel", camera.fovDeg <= 0.0 ? 1.0f : 0.0f);
+  p.set("uSlack", volume->slack());
+  std::vector<float> plane{0.0f, 0.0f, 0.0f, 1.0f};
+  if (clip) {
+    const Vector3 n = clip->normal.normalized();
+    plane = floats(n);
+    plane.push_back(static_cast<float>(n.dot(volume->origin() - clip->point)));
+  }
+  p.set("uClip", plane, 4);
+  p.setTexture("uRecords", 0, GL_TEXTURE_BUFFER, layer.texture);
 }
 
 void Renderer::Impl::setLights(const gl::Program& p) const {
@@ -317,6 +392,7 @@ void Renderer::Impl::pass() {
   glViewport(0, 0, options.width, options.height);
   drawSeen();
   shade();
+  drawVolumeVeils();
   drawVeils();
   drawOnTop();
   addUp();
@@ -339,8 +415,68 @@ void Renderer::Impl::drawShadows() {
     glClear(GL_DEPTH_BUFFER_BIT);
     programs.shadow.setMatrix("uViewProjection", maps[i].worldToClip.data());
     drawOpaque(scene.opaque().casterCount);
+    if (volumeCasterCount > 0) {
+      glBindVertexArray(volumeCasters.id());
+      glVertexAttribI1ui(2, 0);
+      glDrawArrays(GL_TRIANGLES, 0, volumeCasterCount);
+    }
   }
   glDisable(GL_DEPTH_CLAMP);
+}
+
+// Which record is seen at every pixel, and how far from the eye.
+void Renderer::Impl::findSteps(const GpuVolumeLayer& layer) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.steps.id());
+  const GLuint nothing[4] = {0xffffffffu, 0u, 0u, 0u};
+  glClearBufferuiv(GL_COLOR, 0, nothing);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  const gl::Program& p = programs.volume;
+  p.use();
+  setVolume(p, layer);
+  p.setTexture("uPositions", 1, GL_TEXTURE_BUFFER, volume->positions());
+  glBindVertexArray(layer.array.id());
+  glDrawArrays(GL_TRIANGLES, 0, layer.cornerCount);
+}
+
+void Renderer::Impl::drawVolume() {
+  if (!showsVolume) return;
+  for (const auto& layer : volume->layers()) {
+    if (layer->layer.veil || layer->cornerCount == 0) continue;
+    findSteps(*layer);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.seen.id());
+    const gl::Program& p = programs.volumeSurface;
+    p.use();
+    setVolume(p, *layer);
+    p.setTexture("uFound", 1, GL_TEXTURE_2D, targets.found);
+    p.setTexture("uTissues", 2, GL_TEXTURE_BUFFER, volume->tissues());
+    drawScreen();
+  }
+}
+
+// X-rayed tissues over what is opaque, under the skin.
+void Renderer::Impl::drawVolumeVeils() {
+  if (!showsVolume) return;
+  for (const auto& layer : volume->layers()) {
+    if (!layer->layer.veil || layer->cornerCount == 0) continue;
+    findSteps(*layer);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    const gl::Program& p = programs.volumeVeil;
+    p.use();
+    setVolume(p, *layer);
+    setLights(p);
+    p.set("uSkyAbove", {0.44f, 0.44f, 0.45f}, 3);
+    p.set("uSkyBelow", {0.24f, 0.22f, 0.21f}, 3);
+    p.setTexture("uFound", 1, GL_TEXTURE_2D, targets.found);
+    p.setTexture("uTissues", 2, GL_TEXTURE_BUFFER, volume->tissues());
+    p.setTexture("uDepthMap", 3, GL_TEXTURE_2D, targets.depth);
+    drawScreen();
+    glDisable(GL_BLEND);
+  }
 }
 
 void Renderer::Impl::drawSeen() {
@@ -348,6 +484,8 @@ void Renderer::Impl::drawSeen() {
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
+  drawVolume();
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.seen.id());
   const gl::Program& p = programs.mesh;
   p.use();
   setEye(p);
@@ -542,6 +680,33 @@ Image Renderer::read() {
   for (int y = 0; y < height; ++y)
     std::copy_n(&bottomUp.at(0, height - 1 - y), width, &image.at(0, y));
   return image;
+}
+
+TissueImage Renderer::readTissues() {
+  const int width = impl_->options.width;
+  const int height = impl_->options.height;
+  TissueImage image(width, height);
+  std::vector<float> texels(4 * image.tissue.size());
+  glBindFramebuffer(GL_FRAMEBUFFER, impl_->targets.seen.id());
+  glReadBuffer(GL_COLOR_ATTACHMENT1);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, texels.data());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const float* texel = &texels[4 * image.index(x, height - 1 - y)];
+      if (texel[3] > -0.5f) continue;
+      const std::size_t i = image.index(x, y);
+      image.tissue[i] = TissueId(static_cast<std::int64_t>(-texel[3]));
+      image.normal[i] = Eigen::Vector3f(texel[0], texel[1], texel[2]).normalized();
+    }
+  return image;
+}
+
+Renderer::VolumeUploads Renderer::volumeUploads() const {
+  if (!impl_->showsVolume) return {};
+  return {impl_->volume->contentBytes(), impl_->volume->viewBytes(), impl_->volume->tetCount(),
+          impl_->volume->triangleCount()};
 }
 
 Result<Image> renderPicture(const Scene& scene, const Camera& camera, const PictureOptions& options,

@@ -4,7 +4,9 @@
 #include <ecorche/core/run_context.h>
 #include <ecorche/render/image.h>
 #include <ecorche/render/scene.h>
+#include <ecorche/render/tissue_image.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -17,6 +19,9 @@ struct PictureOptions {
   /// anti-aliasing, soft shadows and ambient occlusion all come from this. 1 for a view in motion,
   /// 12 good, 32 for print.
   int samples = 12;
+  /// For a view that is being turned or edited: a single pass, lit by lamps without shadow maps,
+  /// clefts darkened by what the depth of the picture tells, edges smoothed. `samples` counts as 1.
+  bool motion = false;
   /// Directions of light in a pass, each a shadow map, 4 to 16. Unset: 10, large scenes 8. Above
   /// 250,000 triangles two passes share their shadow maps, above 1.5 million four.
   std::optional<int> lightsPerPass;
@@ -55,6 +60,17 @@ class Renderer {
   void resolve(int x = 0, int y = 0);
   /// The same as an image.
   [[nodiscard]] Image read();
+  /// Which tissue of scene.volume the last pass saw where, and its normals.
+  [[nodiscard]] TissueImage readTissues();
+
+  /// What the last begin() and pass() sent to the graphics card for scene.volume.
+  struct VolumeUploads {
+    std::uint64_t content = 0;  ///< tets and fields that are new or changed [bytes]
+    std::uint64_t view = 0;     ///< which of them this eye can see, front to back [bytes]
+    std::int64_t tets = 0;      ///< on the card
+    std::int64_t triangles = 0; ///< drawn in the last pass
+  };
+  [[nodiscard]] VolumeUploads volumeUploads() const;
 
  private:
   struct Impl;

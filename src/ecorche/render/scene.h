@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/mesh/surface_mesh.h>
+#include <ecorche/render/volume_item.h>
 
 #include <array>
 #include <memory>
@@ -36,6 +37,8 @@ struct SurfaceItem {
   bool clipped = true;      ///< false: the clip plane leaves it alone (caps)
   bool castsShadow = true;  ///< opaque surfaces only
   std::uint64_t revision = 0;
+
+  bool operator==(const SurfaceItem&) const = default;
 };
 
 /// Lines, drawn as round tubes that take the light: curves, fibres.
@@ -51,6 +54,8 @@ struct LineItem {
   bool clipped =
       false;  ///< true: the clip plane takes away what lies behind it, to the nearest point
   std::uint64_t revision = 0;
+
+  bool operator==(const LineItem&) const = default;
 };
 
 /// Balls of a radius in pixels: control points.
@@ -61,11 +66,15 @@ struct PointItem {
   float radiusPixels = 4.0f;
   bool onTop = false;
   std::uint64_t revision = 0;
+
+  bool operator==(const PointItem&) const = default;
 };
 
 struct ClipPlane {
   mesh::Vector3 point = mesh::Vector3::Zero();    // [m]
   mesh::Vector3 normal = mesh::Vector3::UnitX();  // what the normal points at is kept
+
+  bool operator==(const ClipPlane&) const = default;
 };
 
 /// Everything in a picture but the eye.
@@ -73,6 +82,7 @@ struct Scene {
   std::vector<SurfaceItem> surfaces;
   std::vector<LineItem> lines;
   std::vector<PointItem> points;
+  std::optional<VolumeItem> volume;  ///< tissues drawn from their fields
   std::optional<ClipPlane>
       clip;  ///< surfaces are cut there; caps are given as surfaces by whoever fills the scene
   Rgba background{1.0f, 1.0f, 1.0f, 1.0f};

@@ -49,7 +49,34 @@ float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
 }
 )";
 
+const std::string kOutline = R"(
+uniform sampler2D uNormalMap;
+uniform sampler2D uDepthMap;
+uniform float uOutline;
+uniform float uPixel;
+float eyeDepth(vec2 uv, float depth) { return depth >= 1.0 ? 1e30 : dot(place(uv, depth) - uEye, uForward); }
+// How much of an outline lies at a pixel: where another thing begins, on the nearer of the two
+float edgeAt(ivec2 at, vec3 p, float nv, float own) {
+  float here = dot(p - uEye, uForward);
+  float step = 3.0 * uPixel * (uParallel > 0.5 ? 1.0 : here) / max(nv, 0.12);
+  float edge = 0.0;
+  ivec2 last = textureSize(uDepthMap, 0) - 1;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 d = ivec2(k == 0 ? 1 : k == 1 ? -1 : 0, k == 2 ? 1 : k == 3 ? -1 : 0);
+    ivec2 q = clamp(at + d, ivec2(0), last);
+    float there = eyeDepth((vec2(q) + 0.5) / vec2(last + 1), texelFetch(uDepthMap, q, 0).r);
+    float item = texelFetch(uNormalMap, q, 0).a;
+    bool other = abs(item) > 0.5 && item != own;
+    if (there > here + step) edge = 1.0;
+    else if (other && there > here - step) edge = max(edge, 0.7);
+  }
+  return abs(own) < 0.5 ? 0.0 : edge;
+}
+)";
+
 }  // namespace
+
+std::string lightFunctions() { return kLights; }
 
 std::string meshVertex() {
   return kVersion + R"(
@@ -261,18 +288,14 @@ void main() {
 }
 
 std::string shadeFragment() {
-  return kVersion + kEye + kLights + R"(
+  return kVersion + kEye + kLights + kOutline + R"(
 in vec2 vUv;
 layout(location = 0) out vec4 oLight;    // premultiplied
 uniform sampler2D uColourMap;
-uniform sampler2D uNormalMap;
-uniform sampler2D uDepthMap;
 uniform sampler2DArrayShadow uShadows;
 uniform mat4 uShadowMatrix[MAX_LIGHTS];  // world to (u, v, depth)
 uniform vec2 uTexel;                     // metres of a shadow texel; share of a map's depth for the same length
 uniform float uBounce;                   // how much of blocked light comes back from the neighbour that blocks it
-uniform float uOutline;
-uniform float uPixel;
 uniform vec4 uGround;                    // unit normal and offset
 uniform float uGroundShade;              // 0: no ground
 uniform vec3 uSkyAbove;
@@ -284,8 +307,6 @@ float litShare(int i, vec3 p, vec3 n, float nl) {
   // Float depth maps do not clamp what they compare: beyond the far side nothing shades
   return texture(uShadows, vec4(s.xy, float(i), min(s.z - (0.6 + 0.8 * slope) * uTexel.y, 1.0)));
 }
-
-float eyeDepth(vec2 uv, float depth) { return depth >= 1.0 ? 1e30 : dot(place(uv, depth) - uEye, uForward); }
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -348,22 +369,134 @@ void main() {
 
   vec3 light = albedo * received + glint;
 
-  // Outline where another thing begins, drawn on the nearer of the two
-  float here = dot(p - uEye, uForward);
-  float step = 3.0 * uPixel * (uParallel > 0.5 ? 1.0 : here) / max(nv, 0.12);
-  float edge = 0.0;
-  ivec2 last = textureSize(uDepthMap, 0) - 1;
-  for (int k = 0; k < 4; ++k) {
-    ivec2 d = ivec2(k == 0 ? 1 : k == 1 ? -1 : 0, k == 2 ? 1 : k == 3 ? -1 : 0);
-    ivec2 q = clamp(at + d, ivec2(0), last);
-    float there = eyeDepth((vec2(q) + 0.5) / vec2(last + 1), texelFetch(uDepthMap, q, 0).r);
-    float item = texelFetch(uNormalMap, q, 0).a;
-    bool other = item > 0.5 && item != normalItem.a;
-    if (there > here + step) edge = 1.0;
-    else if (other && there > here - step) edge = max(edge, 0.7);
-  }
-  if (normalItem.a < 0.5) edge = 0.0;
+  float edge = edgeAt(at, p, nv, normalItem.a);
   oLight = vec4(light * (1.0 - uOutline * edge), 1.0);
+}
+)";
+}
+
+// Openness of what lies around a pixel, from the picture's depth alone: scalable ambient obscurance
+// [McGuire, Mara, Luebke 2012], at half the size. Four pixels that touch look in different
+// directions; who reads this takes their mean.
+std::string openFragment() {
+  return kVersion + kEye + R"(
+layout(location = 0) out vec2 oOpen;     // openness, distance from the eye
+uniform sampler2D uNormalMap;
+uniform sampler2D uDepthMap;
+uniform float uReach;                    // how far a neighbour shades [m]
+uniform float uPixel;
+uniform ivec2 uSize2;
+const int kSteps = 7;
+void main() {
+  ivec2 half2 = ivec2(gl_FragCoord.xy);
+  ivec2 at = min(2 * half2, uSize2 - 1);
+  float depth = texelFetch(uDepthMap, at, 0).r;
+  if (depth >= 1.0) { oOpen = vec2(1.0, 1e30); return; }
+  vec2 scale = 1.0 / vec2(uSize2);
+  vec3 p = place((vec2(at) + 0.5) * scale, depth);
+  vec3 n = texelFetch(uNormalMap, at, 0).xyz;
+  float away = dot(p - uEye, uForward);
+  float reach = min(uReach / (uPixel * (uParallel > 0.5 ? 1.0 : away)), 90.0);   // pixels
+  float turn = 1.5707963 * float((half2.x & 1) + 2 * (half2.y & 1)) / 4.0 * 1.37;
+  float sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    float r = (float(i) + 0.5 + 0.25 * float((half2.x ^ half2.y) & 1)) / float(kSteps);
+    float phi = turn + 2.3999632 * float(i);
+    ivec2 q = at + ivec2(r * reach * vec2(cos(phi), sin(phi)));
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, uSize2))) continue;
+    float d = texelFetch(uDepthMap, q, 0).r;
+    vec3 v = (place((vec2(q) + 0.5) * scale, d) - p) / uReach;
+    float vv = dot(v, v);
+    float falloff = max(1.0 - vv, 0.0);
+    sum += falloff * falloff * falloff * max(dot(v, n) - 0.02, 0.0) / (vv + 0.01);
+  }
+  oOpen = vec2(max(0.0, 1.0 - 1.6 * sum / float(kSteps)), away);
+}
+)";
+}
+
+// Light for a view in motion: lamps without shadows, a sky dimmed by openness.
+std::string motionFragment() {
+  return kVersion + kEye + kLights + kOutline + R"(
+in vec2 vUv;
+layout(location = 0) out vec4 oLight;    // premultiplied
+uniform sampler2D uColourMap;
+uniform sampler2D uOpenMap;
+uniform vec3 uSkyAbove;                  // irradiance of a surface that faces up
+uniform vec3 uSkyBelow;
+// What an opening lets in when its walls have a colour of their own [Jimenez et al. 2016]
+vec3 coloured(float open, vec3 albedo) {
+  vec3 a = 2.0404 * albedo - 0.3324, b = -4.7951 * albedo + 0.6417, c = 2.7552 * albedo + 0.6903;
+  return max(vec3(open), ((open * a + b) * open + c) * open);
+}
+float openAt(ivec2 at, float away, float step) {
+  ivec2 base = (at - 1) / 2;
+  ivec2 last = textureSize(uOpenMap, 0) - 1;
+  float sum = 0.0, weight = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    vec2 o = texelFetch(uOpenMap, clamp(base + ivec2(k & 1, k >> 1), ivec2(0), last), 0).xy;
+    float w = abs(o.y - away) < 4.0 * step ? 1.0 : 1e-3;
+    sum += w * o.x;
+    weight += w;
+  }
+  return sum / weight;
+}
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float depth = texelFetch(uDepthMap, at, 0).r;
+  if (depth >= 1.0) { oLight = vec4(0.0); return; }
+  vec4 base = texelFetch(uColourMap, at, 0);
+  vec4 normalItem = texelFetch(uNormalMap, at, 0);
+  vec3 p = place(vUv, depth);
+  vec3 v = towardsEye(p);
+  vec3 n = normalItem.xyz;
+  float nv = dot(n, v);
+  if (nv < 0.02) { n = normalize(n + (0.02 - nv) * v); nv = dot(n, v); }
+  vec3 albedo = base.rgb;
+  float away = dot(p - uEye, uForward);
+  float open = openAt(at, away, 3.0 * uPixel * (uParallel > 0.5 ? 1.0 : away) / max(nv, 0.12));
+
+  vec3 direct = vec3(0.0), glint = vec3(0.0);
+  for (int i = 0; i < uLamps; ++i) {
+    float nl = dot(n, uLightDirection[i]);
+    if (nl <= 0.0) continue;
+    direct += uLightIrradiance[i] * nl;
+    glint += uLightIrradiance[i] * (3.14159265 * highlight(n, v, uLightDirection[i], base.a));
+  }
+  vec3 sky = mix(uSkyBelow, uSkyAbove, 0.5 + 0.5 * dot(n, uUpAxis));
+  vec3 passed = coloured(open, albedo);
+  vec3 mirror = reflect(-v, n);
+  float gloss = 1.0 - base.a;
+  float fresnel = 0.04 + (max(gloss, 0.04) - 0.04) * pow(1.0 - clamp(nv, 0.0, 1.0), 5.0);
+  glint += mix(uSkyBelow, 2.0 * uSkyAbove, smoothstep(-0.4, 0.9, dot(mirror, uUpAxis))) * (fresnel * gloss);
+  vec3 light = albedo * (direct * mix(vec3(1.0), passed, 0.7) + sky * passed) + glint * open;
+  oLight = vec4(light * (1.0 - uOutline * edgeAt(at, p, nv, normalItem.a)), 1.0);
+}
+)";
+}
+
+// Smooths stairs along edges [after Lottes 2009]: where the light of a pixel's corners differs, the
+// mean of places along the edge.
+std::string smoothFragment() {
+  return kVersion + R"(
+uniform sampler2D uSource;
+layout(location = 0) out vec4 oLight;
+vec4 tap(ivec2 q) { return texelFetch(uSource, clamp(q, ivec2(0), textureSize(uSource, 0) - 1), 0); }
+// Dark and bright edges alike; what is empty is as bright as paper
+float lightness(vec4 c) { return sqrt(min(dot(c.rgb, vec3(0.3, 0.59, 0.11)), 1.0) + 1.0 - c.a); }
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec4 c = tap(at);
+  vec4 n = tap(at + ivec2(0, 1)), s = tap(at - ivec2(0, 1)), e = tap(at + ivec2(1, 0)), w = tap(at - ivec2(1, 0));
+  float ln = lightness(n), ls = lightness(s), le = lightness(e), lw = lightness(w), lc = lightness(c);
+  float range = max(max(max(ln, ls), max(le, lw)), lc) - min(min(min(ln, ls), min(le, lw)), lc);
+  if (range < 0.06) { oLight = c; return; }
+  // Across the edge goes the larger change; along it nothing is lost by averaging
+  float vertical = abs(ln - ls), horizontal = abs(le - lw);
+  float blend = 0.5 * smoothstep(0.06, 0.22, range);
+  vec4 along = vertical > horizontal ? 0.5 * (n + s) : 0.5 * (e + w);
+  float share = clamp(abs((vertical > horizontal ? 0.5 * (ln + ls) : 0.5 * (le + lw)) - lc) / range, 0.0, 1.0);
+  oLight = mix(c, along, blend * (0.35 + 0.65 * share));
 }
 )";
 }

@@ -9,6 +9,9 @@ namespace ecorche::render::glsl {
 /// Directions a shader can take at most in one pass.
 inline constexpr int kMaxLights = 16;
 
+/// Lamps of a pass and the highlight they make, for other shaders to use.
+[[nodiscard]] std::string lightFunctions();
+
 /// Vertex shaders. Positions are relative to the scene's middle, in metres.
 [[nodiscard]] std::string meshVertex();
 [[nodiscard]] std::string shadowVertex();
@@ -24,6 +27,10 @@ inline constexpr int kMaxLights = 16;
 
 /// Light on what is seen; ground shadow; outlines.
 [[nodiscard]] std::string shadeFragment();
+/// The same for a view in motion, in three steps: openness, light, smooth edges.
+[[nodiscard]] std::string openFragment();
+[[nodiscard]] std::string motionFragment();
+[[nodiscard]] std::string smoothFragment();
 /// One layer of transparent surfaces, lit.
 [[nodiscard]] std::string veilFragment();
 /// A texture as it is.
