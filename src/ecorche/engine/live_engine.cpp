@@ -2,15 +2,14 @@
 #include <ecorche/engine/build.h>
 #include <ecorche/engine/live_engine.h>
 #include <ecorche/engine/live_parts.h>
-#include <ecorche/envelope/envelope.h>
-#include <ecorche/envelope/tissue_surface.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <ecorche/tissue/curve_trace.h>
-#include <ecorche/tissue/tissue_solver.h>
+#include <ecorche/tissue/segmentation.h>
 
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
+#include <set>
 #include <thread>
 
 namespace ecorche::engine {
@@ -31,7 +30,7 @@ struct Request {
 template <class T>
 struct Made {
   std::optional<model::Project> of;
-  Result<std::shared_ptr<const T>> made = std::shared_ptr<const T>();
+  Result<std::shared_ptr<T>> made = std::shared_ptr<T>();
 };
 
 /// Without muscles that have no curve yet.
@@ -55,8 +54,30 @@ std::vector<mesh::Vector3> controlPoints(const model::Project& project) {
 struct Analysed {
   std::shared_ptr<const domain::DomainBuild> domain;
   std::unique_ptr<tissue::CurveWalker> walker;
-  std::optional<tissue::TissueSolver> solver;
+  std::shared_ptr<const tissue::TissueSolver> solver;
+  std::shared_ptr<const render::VolumeGeometry> geometry;
 };
+
+struct Held {
+  std::shared_ptr<const domain::DomainBuild> domain;
+  tissue::TissueSolver solver;
+};
+
+/// Entries whose tissues own neighbouring vertices.
+render::NeighbourPairs touching(const mesh::TetMesh& mesh, const std::vector<TissueId>& owner) {
+  std::set<std::pair<std::int32_t, std::int32_t>> pairs;
+  for (Eigen::Index t = 0; t < mesh.T.rows(); ++t) {
+    for (int a = 0; a < 4; ++a) {
+      for (int b = a + 1; b < 4; ++b) {
+        const std::int32_t i = owner[static_cast<std::size_t>(mesh.T(t, a))].value;
+        const std::int32_t j = owner[static_cast<std::size_t>(mesh.T(t, b))].value;
+        if (i == j || std::min(i, j) < kFirstMuscle.value) continue;
+        pairs.insert(std::minmax(i - kFirstMuscle.value, j - kFirstMuscle.value));
+      }
+    }
+  }
+  return {pairs.begin(), pairs.end()};
+}
 
 }  // namespace
 
@@ -75,8 +96,8 @@ struct LiveEngine::Impl {
   bool quit = false;
 
   // The worker thread's own
-  Made<LiveMeshes> meshes;
-  Made<domain::DomainBuild> domain;
+  Made<const LiveMeshes> meshes;
+  Made<const domain::DomainBuild> domain;
   Made<LiveTissues> tissues;
   Analysed analysed;
   std::vector<mesh::Vector3> sizedFor;  // control points when the domain was made
@@ -105,8 +126,7 @@ struct LiveEngine::Impl {
                                                               RunContext& run);
   Result<std::shared_ptr<const domain::DomainBuild>> makeDomain(const model::Project& project,
                                                                 RunContext& run);
-  Result<std::shared_ptr<const LiveTissues>> makeTissues(const model::Project& project,
-                                                         RunContext& run);
+  Result<std::shared_ptr<LiveTissues>> makeTissues(const model::Project& project, RunContext& run);
   Result<void> analyse(RunContext& run);
   [[nodiscard]] bool outgrown(const model::Project& project) const;
 };
@@ -148,16 +168,16 @@ void LiveEngine::Impl::answer(const Request& request) {
     if (domainThere && *domain.made != before) sizedFor = controlPoints(request.project);
     if (domainThere && !stop()) {
       const auto make = [&](RunContext& run) { return makeTissues(request.project, run); };
-      const bool there = bring(tissues, request, fieldPart, make);
+      const bool there = bring(tissues, request, curvePart, make);
       if (there && !stop() && outgrown(request.project)) {
         // The hand rests: tets go where muscles are now. What is there stays until it is done
-        Made<domain::DomainBuild> finer;
+        Made<const domain::DomainBuild> finer;
         if (bring(finer, request, domainPart,
                   [&](RunContext& run) { return makeDomain(request.project, run); })) {
           domain = std::move(finer);
           sizedFor = controlPoints(request.project);
           tissues.of.reset();
-          bring(tissues, request, fieldPart, make);
+          bring(tissues, request, curvePart, make);
         }
       }
     }
@@ -265,13 +285,17 @@ Result<void> LiveEngine::Impl::analyse(RunContext& run) {
   auto solver = tissue::TissueSolver::create(there, run);
   if (!solver) return passOn(solver);
   analysed.walker = std::make_unique<tissue::CurveWalker>(there);
-  analysed.solver.emplace(std::move(*solver));
+  // Shared with those who edit values, and no longer there than its domain
+  const auto held = std::make_shared<Held>(Held{*domain.made, std::move(*solver)});
+  analysed.solver = {held, &held->solver};
+  analysed.geometry = std::make_shared<const render::VolumeGeometry>(
+      std::shared_ptr<const mesh::TetMesh>(*domain.made, &there.mesh), there.neighbours);
   analysed.domain = *domain.made;
   return {};
 }
 
-Result<std::shared_ptr<const LiveTissues>> LiveEngine::Impl::makeTissues(
-    const model::Project& project, RunContext& run) {
+Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::Project& project,
+                                                                   RunContext& run) {
   if (auto ready = analyse(run); !ready) return passOn(ready);
   const auto begin = run.seconds();
   const domain::Domain& there = analysed.domain->domain;
@@ -304,34 +328,21 @@ Result<std::shared_ptr<const LiveTissues>> LiveEngine::Impl::makeTissues(
     all.erase(culprit);
   }
 
-  auto fields = analysed.solver->solve(*cores, all, how, run);
-  if (!fields) return passOn(fields);
-  envelope::EnvelopeOptions cut;
-  auto anatomy = envelope::buildAnatomy(there, *fields, *cores, cut, run);
-  if (!anatomy) return passOn(anatomy);
-
-  std::vector<std::string> names{"fat"};
-  for (const auto& t : all) names.push_back(t.name);
-  const auto surfaces = envelope::tissueSurfaces(anatomy->anatomy, names);
-  const auto measures = envelope::measureTissues(anatomy->anatomy, names.size());
-  out->fatVolume = measures[0].volume;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while making surfaces");
-    LiveTissues::Body body;
-    body.slot = slots[i];
-    body.volume = measures[i + 1].volume;
-    body.surface = std::make_shared<const mesh::SurfaceMesh>(surfaces[i + 1].mesh);
-    body.normals = std::make_shared<const mesh::Directions>(
-        envelope::fieldNormals(surfaces[i + 1], anatomy->anatomy, there, *fields));
-    out->bodies.push_back(std::move(body));
-  }
-  for (const auto& pair :
-       render::touchingTissues(anatomy->anatomy.label, anatomy->anatomy.neighbours))
-    out->touching.push_back(pair);
   out->findings.insert(out->findings.end(), cores->findings.begin(), cores->findings.end());
-  out->fields = std::make_shared<const tissue::TissueFields>(std::move(*fields));
+  auto fields = tissue::ValueFields::create({analysed.domain, &there}, analysed.solver,
+                                            std::move(*cores), std::move(all), how, run);
+  if (!fields) return passOn(fields);
+  out->fields = std::make_shared<tissue::ValueFields>(std::move(*fields));
+  out->geometry = analysed.geometry;
+  out->slotOf = std::move(slots);
+  out->touching = touching(there.mesh, out->fields->owners());
+  {
+    const Stage stage(run, "volumes");
+    out->volumes = tissue::tissueVolumes(there.mesh, out->fields->fields());
+  }
   out->seconds = run.seconds() - begin;
-  return std::shared_ptr<const LiveTissues>(std::move(out));
+  if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while measuring volumes");
+  return out;
 }
 
 LiveEngine::LiveEngine(Sink sink, LiveOptions options)

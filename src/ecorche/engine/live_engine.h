@@ -6,7 +6,8 @@
 #include <ecorche/engine/inputs.h>
 #include <ecorche/model/project.h>
 #include <ecorche/render/palette.h>
-#include <ecorche/tissue/tissue_fields.h>
+#include <ecorche/render/volume_geometry.h>
+#include <ecorche/tissue/value_fields.h>
 
 #include <cstdint>
 #include <functional>
@@ -27,21 +28,18 @@ struct LiveMeshes {
   std::vector<authoring::BoneSurface> bones;  ///< those with a face, in project order
 };
 
-/// Muscles and fillers of one moment, ready to be drawn. Shared and never changed.
+/// Muscles and fillers as they were solved for one request, ready to be drawn. Whoever gets them
+/// may go on and edit their values; the engine keeps nothing of them.
 struct LiveTissues {
-  struct Body {
-    std::size_t slot = 0;                              ///< which of liveTissuePlaces(project)
-    std::shared_ptr<const mesh::SurfaceMesh> surface;  ///< without faces: it owns no place
-    std::shared_ptr<const mesh::Directions> normals;   ///< of the surface's vertices
-    double volume = 0.0;                               ///< [m³]
-  };
   std::shared_ptr<const domain::DomainBuild> domain;
-  std::shared_ptr<const tissue::TissueFields> fields;
-  std::vector<Body> bodies;         ///< entry i has tissue id i + 2
-  double fatVolume = 0.0;           ///< [m³]
+  std::shared_ptr<const render::VolumeGeometry> geometry;  ///< of the domain
+  std::shared_ptr<tissue::ValueFields> fields;
+  std::vector<std::size_t>
+      slotOf;                   ///< entry i, tissue id i + 2: which of liveTissuePlaces(project)
+  std::vector<double> volumes;  ///< by tissue id − 1, fat first [m³]
   render::NeighbourPairs touching;  ///< entries that share a wall
   Findings findings;                ///< muscles that were left out and why
-  double seconds = 0.0;             ///< that fields, walls and surfaces took
+  double seconds = 0.0;             ///< that all this took, domain apart
 };
 
 /// What a live session says, in order. `revision` is that of the request which it answers.
@@ -56,8 +54,8 @@ struct LiveIdle {};  ///< everything asked for is there, or failed
 struct LiveUpdate {
   std::uint64_t revision = 0;
   std::variant<LiveProgress, std::shared_ptr<const LiveMeshes>,
-               std::shared_ptr<const domain::DomainBuild>, std::shared_ptr<const LiveTissues>,
-               LiveFault, LiveIdle>
+               std::shared_ptr<const domain::DomainBuild>, std::shared_ptr<LiveTissues>, LiveFault,
+               LiveIdle>
       what;
 };
 
@@ -82,6 +80,7 @@ class LiveEngine {
 
   /// The project is a snapshot; it may be incomplete (model::Completeness::Editing).
   /// @param anew  another project, or files may have changed: everything is read and told again
+  /// Values and fat of a project whose curves have not changed are no reason to answer.
   void request(model::Project project, std::uint64_t revision, bool anew = false);
   /// Gives up what is being computed; what is there stays. The next request goes on from there.
   void cancel();

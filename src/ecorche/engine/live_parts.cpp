@@ -6,7 +6,8 @@ namespace ecorche::engine {
 
 namespace {
 
-void blankNames(model::Tissue& tissue) {
+// What a field is solved for, and nothing else.
+void blankAllButCurves(model::Tissue& tissue) {
   tissue.name.clear();
   tissue.side = model::Side::Unknown;
   tissue.group.clear();
@@ -17,6 +18,7 @@ void blankNames(model::Tissue& tissue) {
     curve.name.clear();
     curve.start = {};
     curve.end = {};
+    for (model::ControlPoint& point : curve.points) point.tissue = 1.0;
   }
 }
 
@@ -48,12 +50,13 @@ model::Project domainPart(const model::Project& project) {
   return out;
 }
 
-model::Project fieldPart(const model::Project& project) {
+model::Project curvePart(const model::Project& project) {
   model::Project out = domainPart(project);
-  out.settings = project.settings;
+  out.settings.coreRadius = project.settings.coreRadius;
+  out.settings.alpha = project.settings.alpha;
   for (const std::size_t place : liveTissuePlaces(project)) {
     out.tissues.push_back(project.tissues[place]);
-    blankNames(out.tissues.back());
+    blankAllButCurves(out.tissues.back());
   }
   return out;
 }

@@ -14,9 +14,10 @@ namespace ecorche::engine {
 [[nodiscard]] model::Project meshPart(const model::Project& project);
 /// Those, cut planes and what sizes tets: what a preview's domain is made of.
 [[nodiscard]] model::Project domainPart(const model::Project& project);
-/// Those, curves, values, fat: what the fields are made of. Tissues are those of liveTissuePlaces,
-/// in order and nameless.
-[[nodiscard]] model::Project fieldPart(const model::Project& project);
+/// Those, curves, cores, anisotropy: what fields are solved for. Tissues are those of
+/// liveTissuePlaces, in order and nameless. Values and fat are not in it: fields follow them
+/// without solving (tissue::ValueFields).
+[[nodiscard]] model::Project curvePart(const model::Project& project);
 
 /// Place in Project::tissues of everything that has a curve to grow from; muscles that are just
 /// being begun are not among them.

@@ -22,6 +22,7 @@ struct Display {
   std::optional<int> peelAbove;           ///< muscles of higher layers are hidden
   std::set<std::string> hidden;           ///< tissues and bones by name
   std::optional<std::string> solo;        ///< this tissue alone
+  std::optional<std::string> xray;        ///< this tissue through all others
 
   [[nodiscard]] bool showsTissue(const std::string& name) const {
     return muscles && (solo ? *solo == name : !hidden.contains(name));

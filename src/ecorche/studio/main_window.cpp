@@ -75,6 +75,7 @@ MainWindow::MainWindow(engine::LiveOptions options) : session_(std::make_unique<
   connect(session_.get(), &Session::projectChanged, this, &MainWindow::refresh);
   connect(session_.get(), &Session::selectionChanged, this, &MainWindow::refresh);
   connect(session_.get(), &Session::liveChanged, this, &MainWindow::refresh);
+  connect(session_.get(), &Session::volumesChanged, this, &MainWindow::refresh);
   connect(session_.get(), &Session::settledChanged, this, &MainWindow::refresh);
   connect(session_.get(), &Session::progressed, this, &MainWindow::showProgress);
   connect(&background_, &Background::progressed, this, &MainWindow::showProgress);
@@ -228,7 +229,9 @@ void MainWindow::refresh() {
   if (session_->tissues()) {
     const auto& domain = session_->tissues()->domain->domain;
     double muscle = 0.0;
-    for (const auto& body : session_->tissues()->bodies) muscle += body.volume;
+    for (const model::Tissue& t : session_->project().tissues) {
+      if (t.kind == model::Tissue::Kind::Muscle) muscle += session_->volumeOf(t.name).value_or(0.0);
+    }
     figures << tr("%1 cm³ of muscle").arg(QLocale().toString(1e6 * muscle, 'f', 0))
             << tr("%1 k tets").arg(domain.mesh.T.rows() / 1000)
             << tr("%1 s").arg(QLocale().toString(session_->tissues()->seconds, 'f', 2));

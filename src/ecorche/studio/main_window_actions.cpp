@@ -108,12 +108,19 @@ void MainWindow::makeActions() {
     Display display = session_->display();
     display.hidden.clear();
     display.solo.reset();
+    display.xray.reset();
     session_->setDisplay(display);
   });
   add("solo", tr("This one alone"), tr("/"), [this] {
     Display display = session_->display();
     const std::string& name = session_->selection().tissue;
     display.solo = display.solo || name.empty() ? std::nullopt : std::optional(name);
+    session_->setDisplay(display);
+  });
+  add("xray", tr("Through the others"), tr("X"), [this] {
+    Display display = session_->display();
+    const std::string& name = session_->selection().tissue;
+    display.xray = display.xray || name.empty() ? std::nullopt : std::optional(name);
     session_->setDisplay(display);
   });
   add("sheet", tr("&Keys and hands"), tr("F1"), [this] {
@@ -148,7 +155,7 @@ void MainWindow::makeMenus() {
        {"select", "draw", "drawHead", "click", "", "endsOnPlanes", "endsOnMuscles"});
   QMenu* view = menuBar()->addMenu(tr("&View"));
   fill(view, {"frame", "frameAll", "", "front", "back", "side", "otherSide", "top", "bottom",
-              "parallel", "", "hide", "solo", "showAll"});
+              "parallel", "", "hide", "solo", "xray", "showAll"});
   view->addSeparator();
   QMenu* panels = view->addMenu(tr("Panels"));
   for (QDockWidget* dock : docks_) panels->addAction(dock->toggleViewAction());

@@ -45,6 +45,7 @@ MuscleList::MuscleList(Session& session, std::function<QColor(std::size_t)> colo
 
   connect(&session_, &Session::projectChanged, this, &MuscleList::fill);
   connect(&session_, &Session::liveChanged, this, &MuscleList::fill);
+  connect(&session_, &Session::volumesChanged, this, &MuscleList::fill);
   connect(&session_, &Session::displayChanged, this, &MuscleList::fill);
   connect(&session_, &Session::selectionChanged, this, &MuscleList::showSelection);
   connect(this, &QTreeWidget::itemChanged, this, &MuscleList::edited);

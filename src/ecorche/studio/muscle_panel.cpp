@@ -58,6 +58,7 @@ MusclePanel::MusclePanel(Session& session, QWidget* parent) : QWidget(parent), s
   connect(&session_, &Session::projectChanged, this, &MusclePanel::fill);
   connect(&session_, &Session::selectionChanged, this, &MusclePanel::fill);
   connect(&session_, &Session::liveChanged, this, &MusclePanel::fill);
+  connect(&session_, &Session::volumesChanged, this, &MusclePanel::fill);
   fill();
 }
 

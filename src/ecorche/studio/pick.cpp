@@ -1,5 +1,7 @@
 #include <ecorche/engine/live_parts.h>
+#include <ecorche/render/ray_caster.h>
 #include <ecorche/studio/pick.h>
+#include <ecorche/studio/scene_builder.h>
 
 #include <limits>
 
@@ -70,23 +72,14 @@ Selection Picker::pick(const Input& input, const Eigen::Vector2d& pixel) {
   double nearest = std::numeric_limits<double>::infinity();
   Selection out;
   if (input.tissues) {
-    if (askedOf_ != input.tissues) trees_.clear();
-    askedOf_ = input.tissues;
+    const render::VolumeItem volume = volumeOf(input.project, *input.tissues, input.display, {});
+    const auto hit = render::castRay({sight.origin, sight.direction}, volume, input.display.clip);
     const auto places = engine::liveTissuePlaces(input.project);
-    for (const auto& body : input.tissues->bodies) {
-      if (body.slot >= places.size() || body.surface->F.rows() == 0) continue;
-      const model::Tissue& tissue = input.project.tissues[places[body.slot]];
-      if (!input.display.showsTissue(tissue.name)) continue;
-      auto& tree = trees_[body.surface.get()];
-      if (!tree) tree = std::make_unique<mesh::SurfaceQuery>(*body.surface);
-      if (tree->empty()) continue;
-      for (const auto& hit : tree->allHits(sight.origin, sight.direction)) {
-        if (clippedAway(hit.point, input.display)) continue;
-        if (hit.t < nearest) {
-          nearest = hit.t;
-          out = Selection{tissue.name, -1, -1, {}};
-        }
-        break;
+    if (hit && hit->tissue.value >= kFirstMuscle.value) {
+      const auto i = static_cast<std::size_t>(hit->tissue.value - kFirstMuscle.value);
+      if (input.tissues->slotOf[i] < places.size()) {
+        nearest = hit->distance;
+        out = Selection{input.project.tissues[places[input.tissues->slotOf[i]]].name, -1, -1, {}};
       }
     }
   }

@@ -4,7 +4,6 @@
 #include <ecorche/studio/display.h>
 #include <ecorche/studio/orbit_camera.h>
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,15 +33,10 @@ class Picker {
     const Display& display;
     const Selection& selection;
   };
-  [[nodiscard]] Selection pick(const Input& input, const Eigen::Vector2d& pixel);
+  [[nodiscard]] static Selection pick(const Input& input, const Eigen::Vector2d& pixel);
   /// Points and curves of the selected muscle alone: quick enough for every movement of the hand.
   [[nodiscard]] static std::optional<Selection> pickHandle(const Input& input,
                                                            const Eigen::Vector2d& pixel);
-
- private:
-  // Trees of surfaces that were asked, for as long as these are shown
-  std::shared_ptr<const engine::LiveTissues> askedOf_;
-  std::map<const mesh::SurfaceMesh*, std::unique_ptr<mesh::SurfaceQuery>> trees_;
 };
 
 }  // namespace ecorche::studio

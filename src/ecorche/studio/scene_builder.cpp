@@ -14,6 +14,7 @@ namespace {
 constexpr float kCurveWidth = 2.0f;     // [pixels]
 constexpr float kSelectedWidth = 3.2f;  // [pixels]
 constexpr float kPointRadius = 5.5f;    // [pixels]
+constexpr float kXray = 0.12f;          // opacity of what one looks through
 constexpr double kCurveSteps = 400.0;   // of a diagonal
 
 // Towards white, in linear light
@@ -79,7 +80,7 @@ const std::vector<Rgba>& SceneBuilder::tissueColours(
   if (tissues) {
     const auto places = engine::liveTissuePlaces(project);
     const auto placeOf = [&](std::int32_t entry) -> std::int32_t {
-      const std::size_t slot = tissues->bodies[static_cast<std::size_t>(entry)].slot;
+      const std::size_t slot = tissues->slotOf[static_cast<std::size_t>(entry)];
       return slot < places.size() ? static_cast<std::int32_t>(places[slot]) : -1;
     };
     for (const auto& [a, b] : tissues->touching) {
@@ -95,30 +96,45 @@ const std::vector<Rgba>& SceneBuilder::tissueColours(
   return colours_;
 }
 
-void SceneBuilder::addBodies(const Input& input, render::Scene& scene) {
+void SceneBuilder::addVolume(const Input& input, render::Scene& scene) {
   if (!input.tissues) return;
-  const auto& colours = tissueColours(input.project, input.tissues, input.display.palette);
+  scene.volume = volumeOf(input.project, *input.tissues, input.display,
+                          tissueColours(input.project, input.tissues, input.display.palette));
+  scene.volume->fieldsRevision = input.edits.revision;
+  scene.volume->changed = input.edits.changed;
   const auto places = engine::liveTissuePlaces(input.project);
-  for (const engine::LiveTissues::Body& body : input.tissues->bodies) {
-    if (body.slot >= places.size() || body.surface->F.rows() == 0) continue;
-    const model::Tissue& tissue = input.project.tissues[places[body.slot]];
-    if (!input.display.showsTissue(tissue.name)) continue;
-    if (input.display.peelAbove && tissue.layer && *tissue.layer > *input.display.peelAbove)
-      continue;
-    Rgba colour = colours[places[body.slot]];
-    if (tissue.name == input.selection.tissue) {
-      colour = lifted(colour, 0.12f);
-    } else if (tissue.name == input.hovered.tissue) {
-      colour = lifted(colour, 0.06f);
-    }
-    render::SurfaceItem item =
-        render::surfaceItem(tissue.kind == model::Tissue::Kind::Filler ? render::Material::Filler
-                                                                       : render::Material::Muscle,
-                            body.surface, colour);
-    item.name = tissue.name;
-    item.normals = body.normals;
-    scene.surfaces.push_back(std::move(item));
+  for (std::size_t i = 0; i < input.tissues->slotOf.size(); ++i) {
+    if (input.tissues->slotOf[i] >= places.size()) continue;
+    const std::string& name = input.project.tissues[places[input.tissues->slotOf[i]]].name;
+    const float lift = name == input.selection.tissue ? 0.12f
+                       : name == input.hovered.tissue ? 0.06f
+                                                      : 0.0f;
+    auto& colour = scene.volume->tissues[i + 1].colour;
+    colour = lifted(colour, lift);
   }
+}
+
+render::VolumeItem volumeOf(const model::Project& project, const engine::LiveTissues& tissues,
+                            const Display& display, const std::vector<Rgba>& colours) {
+  render::VolumeItem out;
+  out.geometry = tissues.geometry;
+  out.fields = {tissues.fields, &tissues.fields->fields().values};
+  out.fatIsCandidate = tissues.fields->fields().fatIsCandidate;
+  out.tissues.resize(tissues.slotOf.size() + 1);
+  out.tissues[0] = {.colour = render::tint::fat(), .visible = false, .inCut = true};
+  const auto places = engine::liveTissuePlaces(project);
+  for (std::size_t i = 0; i < tissues.slotOf.size(); ++i) {
+    render::VolumeTissue& look = out.tissues[i + 1];
+    look.visible = false;
+    if (tissues.slotOf[i] >= places.size()) continue;
+    const model::Tissue& tissue = project.tissues[places[tissues.slotOf[i]]];
+    if (places[tissues.slotOf[i]] < colours.size())
+      look.colour = colours[places[tissues.slotOf[i]]];
+    const bool peeled = display.peelAbove && tissue.layer && *tissue.layer > *display.peelAbove;
+    look.visible = display.showsTissue(tissue.name) && !peeled;
+    if (display.xray && *display.xray != tissue.name) look.opacity = kXray;
+  }
+  return out;
 }
 
 void SceneBuilder::addCurves(const Input& input, const SceneColours& colours,
@@ -178,7 +194,7 @@ render::Scene SceneBuilder::build(const Input& input, const SceneColours& colour
       item.colour = lifted(item.colour, 0.3f);
     scene.surfaces.push_back(std::move(item));
   }
-  addBodies(input, scene);
+  addVolume(input, scene);
   addCurves(input, colours, scene);
   if (input.stroke.size() >= 2)
     scene.lines.push_back(line({input.stroke}, colours.accent, kSelectedWidth));

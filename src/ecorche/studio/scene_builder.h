@@ -3,6 +3,7 @@
 #include <ecorche/engine/live_engine.h>
 #include <ecorche/render/scene.h>
 #include <ecorche/studio/display.h>
+#include <ecorche/studio/session.h>
 
 #include <map>
 #include <memory>
@@ -18,6 +19,14 @@ struct SceneColours {
   render::Rgba curve{0.85f, 0.85f, 0.82f, 1.0f};  ///< the others
 };
 
+/// The tissues as they are to be drawn, for pictures and for picking; entry i + 1 is that of slot
+/// i.
+/// @param colours  by place in the project
+[[nodiscard]] render::VolumeItem volumeOf(const model::Project& project,
+                                          const engine::LiveTissues& tissues,
+                                          const Display& display,
+                                          const std::vector<render::Rgba>& colours);
+
 /// What a session has to show, made into a picture's scene. Keeps what has not changed, so that
 /// nothing is prepared for drawing twice.
 class SceneBuilder {
@@ -26,6 +35,7 @@ class SceneBuilder {
     const model::Project& project;
     std::shared_ptr<const engine::LiveMeshes> meshes;    ///< may be null
     std::shared_ptr<const engine::LiveTissues> tissues;  ///< may be null
+    Session::FieldEdits edits;                           ///< of the tissues' fields
     const Display& display;
     const Selection& selection;
     Selection hovered;                  ///< what the hand would take hold of
@@ -52,7 +62,7 @@ class SceneBuilder {
   std::vector<render::Rgba> colours_;
 
   void takeMeshes(const std::shared_ptr<const engine::LiveMeshes>& meshes);
-  void addBodies(const Input& input, render::Scene& scene);
+  void addVolume(const Input& input, render::Scene& scene);
   static void addCurves(const Input& input, const SceneColours& colours, render::Scene& scene);
 };
 

@@ -40,7 +40,7 @@ void SelectTool::hover(const Touch& touch) {
 }
 
 bool SelectTool::press(const Touch& touch) {
-  const Selection what = view_.picker.pick(pickInput(), touch.pixel);
+  const Selection what = Picker::pick(pickInput(), touch.pixel);
   const bool nothing = what == Selection{};
   session().select(what);
   if (nothing) return false;

@@ -2,6 +2,7 @@
 #include <ecorche/model/command_text.h>
 #include <ecorche/model/project_file.h>
 #include <ecorche/studio/session.h>
+#include <ecorche/tissue/segmentation.h>
 
 #include <QMetaObject>
 #include <QPointer>
@@ -37,6 +38,8 @@ void Session::start(model::Project project, std::filesystem::path file, bool sav
   meshes_.reset();
   domain_.reset();
   tissues_.reset();
+  volumes_.clear();
+  fieldsNew_ = true;
   lastFault_.clear();
   findingsTold_.clear();
   selection_ = {};
@@ -169,11 +172,27 @@ void Session::stopComputing() {
 std::optional<double> Session::volumeOf(const std::string& tissue) const {
   if (!tissues_) return std::nullopt;
   const auto places = engine::liveTissuePlaces(project());
-  for (const auto& body : tissues_->bodies) {
-    if (body.slot < places.size() && project().tissues[places[body.slot]].name == tissue)
-      return body.volume;
+  for (std::size_t i = 0; i < tissues_->slotOf.size() && i + 1 < volumes_.size(); ++i) {
+    const std::size_t slot = tissues_->slotOf[i];
+    if (slot < places.size() && project().tissues[places[slot]].name == tissue)
+      return volumes_[i + 1];
   }
   return std::nullopt;
+}
+
+Session::FieldEdits Session::takeFieldEdits() {
+  if (!fieldsNew_ && fieldsChanged_.empty()) return {fieldsRevision_, nullptr};
+  ++fieldsRevision_;
+  FieldEdits out{fieldsRevision_, nullptr};
+  if (!fieldsNew_) {
+    std::ranges::sort(fieldsChanged_);
+    const auto rest = std::ranges::unique(fieldsChanged_);
+    fieldsChanged_.erase(rest.begin(), rest.end());
+    out.changed = std::make_shared<const std::vector<std::int32_t>>(std::move(fieldsChanged_));
+  }
+  fieldsNew_ = false;
+  fieldsChanged_.clear();
+  return out;
 }
 
 void Session::tell(Severity severity, const QString& text, std::optional<mesh::Vector3> place) {
@@ -182,6 +201,7 @@ void Session::tell(Severity severity, const QString& text, std::optional<mesh::V
 
 void Session::changed(bool anew) {
   forgetWhatIsGone();
+  followValues();
   emit projectChanged();
   if (!open_) return;
   setSettled(false);
@@ -222,19 +242,8 @@ void Session::take(const engine::LiveUpdate& update) {
     domain_ = *domain;
     emit liveChanged();
   } else if (const auto* tissues =
-                 std::get_if<std::shared_ptr<const engine::LiveTissues>>(&update.what)) {
-    tissues_ = *tissues;
-    lastFault_.clear();
-    // What has been said and is still so is not said again
-    std::set<std::string> now;
-    for (const Finding& finding : tissues_->findings) {
-      if (finding.severity != Severity::Error && finding.severity != Severity::Warning) continue;
-      now.insert(finding.message);
-      if (!findingsTold_.contains(finding.message))
-        tell(finding.severity, QString::fromStdString(finding.message), finding.point);
-    }
-    findingsTold_ = std::move(now);
-    emit liveChanged();
+                 std::get_if<std::shared_ptr<engine::LiveTissues>>(&update.what)) {
+    takeTissues(*tissues);
   } else if (const auto* fault = std::get_if<engine::LiveFault>(&update.what)) {
     // The same fault is told once, however often it is met while something else is edited
     const QString text = QString::fromStdString(fault->error.text());
@@ -243,6 +252,87 @@ void Session::take(const engine::LiveUpdate& update) {
   } else if (std::holds_alternative<engine::LiveIdle>(update.what)) {
     if (update.revision == request_) setSettled(true);
   }
+}
+
+void Session::takeTissues(const std::shared_ptr<engine::LiveTissues>& tissues) {
+  tissues_ = tissues;
+  volumes_ = tissues->volumes;
+  fieldsNew_ = true;
+  lastFault_.clear();
+  followValues();  // which may have gone on meanwhile
+  // What has been said and is still so is not said again
+  std::set<std::string> now;
+  for (const Finding& finding : tissues_->findings) {
+    if (finding.severity != Severity::Error && finding.severity != Severity::Warning) continue;
+    now.insert(finding.message);
+    if (!findingsTold_.contains(finding.message))
+      tell(finding.severity, QString::fromStdString(finding.message), finding.point);
+  }
+  findingsTold_ = std::move(now);
+  emit liveChanged();
+}
+
+// Fields are linear in values and fat: no solve, and no waiting.
+void Session::followValues() {
+  if (!tissues_) return;
+  tissue::ValueFields& fields = *tissues_->fields;
+  const auto places = engine::liveTissuePlaces(project());
+  RunContext run;
+  bool changed = false;
+  for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
+    if (tissues_->slotOf[i] >= places.size()) continue;
+    const model::Tissue& wanted = project().tissues[places[tissues_->slotOf[i]]];
+    const auto& curves = fields.tissues()[i].curves;
+    if (wanted.curves.size() != curves.size()) continue;  // a head came or went: solved for soon
+    std::vector<std::vector<double>> values;
+    bool alike = true;
+    bool same = true;
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+      values.push_back(model::tissueValuesOf(wanted.curves[c]));
+      alike = alike && values.back().size() == curves[c].values.size();
+      same = same && values.back() == curves[c].values;
+    }
+    if (!alike || same) continue;
+    if (const auto edit = fields.setValues(i, values, run)) {
+      noteChanged(edit->vertices);
+      changed = true;
+    } else {
+      tell(Severity::Error, QString::fromStdString(edit.error().message));
+    }
+  }
+  if (project().settings.fat != fields.fat()) {
+    noteChanged(fields.setFat(project().settings.fat).vertices);
+    changed = true;
+  }
+  if (!changed) return;
+  emit fieldsChanged();
+  measure();
+}
+
+void Session::noteChanged(const std::vector<std::int32_t>& vertices) {
+  if (!fieldsNew_) fieldsChanged_.insert(fieldsChanged_.end(), vertices.begin(), vertices.end());
+}
+
+// Volumes take longer than a frame; they follow when the hand gives them time.
+void Session::measure() {
+  if (measuring_.isBusy()) {
+    measureAgain_ = true;
+    return;
+  }
+  measureAgain_ = false;
+  const auto domain = tissues_->domain;
+  const auto copy = std::make_shared<const tissue::TissueFields>(tissues_->fields->fields());
+  const auto volumes = std::make_shared<std::vector<double>>();
+  measuring_.start(
+      [=](RunContext&) { *volumes = tissue::tissueVolumes(domain->domain.mesh, *copy); },
+      [this, volumes, of = tissues_] {
+        if (of == tissues_) {
+          volumes_ = *volumes;
+          emit volumesChanged();
+        }
+        if (measureAgain_ && tissues_) measure();
+        emit settledChanged();
+      });
 }
 
 void Session::setSettled(bool settled) {

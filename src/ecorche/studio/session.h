@@ -3,6 +3,7 @@
 #include <ecorche/core/finding.h>
 #include <ecorche/engine/live_engine.h>
 #include <ecorche/model/history.h>
+#include <ecorche/studio/background.h>
 #include <ecorche/studio/display.h>
 
 #include <QObject>
@@ -65,11 +66,17 @@ class Session : public QObject {
 
   [[nodiscard]] const std::shared_ptr<const engine::LiveMeshes>& meshes() const { return meshes_; }
   [[nodiscard]] const std::shared_ptr<const domain::DomainBuild>& domain() const { return domain_; }
-  [[nodiscard]] const std::shared_ptr<const engine::LiveTissues>& tissues() const {
-    return tissues_;
-  }
+  /// Fields follow the project's values and fat; curves may have moved on since they were solved.
+  [[nodiscard]] std::shared_ptr<const engine::LiveTissues> tissues() const { return tissues_; }
+  /// What became of the fields since this was last asked: a number that goes up, and the vertices
+  /// where values differ from those of the number before (null: anywhere).
+  struct FieldEdits {
+    std::uint64_t revision = 0;
+    std::shared_ptr<const std::vector<std::int32_t>> changed;
+  };
+  [[nodiscard]] FieldEdits takeFieldEdits();
   /// Nothing is being computed, and everything shown is of the project as it stands, or failed.
-  [[nodiscard]] bool isSettled() const { return settled_; }
+  [[nodiscard]] bool isSettled() const { return settled_ && !measuring_.isBusy(); }
   void stopComputing();
   void reloadMeshes();  ///< files may have changed
   /// [m³]; nothing while it has no body.
@@ -81,7 +88,9 @@ class Session : public QObject {
   void projectChanged();
   void selectionChanged();
   void displayChanged();
-  void liveChanged();  ///< meshes, domain or tissues are other ones
+  void liveChanged();    ///< meshes, domain or tissues are other ones
+  void fieldsChanged();  ///< values of the same tissues
+  void volumesChanged();
   void progressed(const QString& stage, double fraction);
   void settledChanged();
   void told(ecorche::Severity severity, const QString& text,
@@ -104,7 +113,13 @@ class Session : public QObject {
 
   std::shared_ptr<const engine::LiveMeshes> meshes_;
   std::shared_ptr<const domain::DomainBuild> domain_;
-  std::shared_ptr<const engine::LiveTissues> tissues_;
+  std::shared_ptr<engine::LiveTissues> tissues_;
+  std::vector<double> volumes_;  // by tissue id − 1 [m³]
+  std::uint64_t fieldsRevision_ = 0;
+  bool fieldsNew_ = false;                   // since takeFieldEdits: all of them
+  std::vector<std::int32_t> fieldsChanged_;  // or at these vertices
+  Background measuring_;
+  bool measureAgain_ = false;
   std::uint64_t request_ = 0;
   std::uint64_t firstRequest_ = 0;  // of the project at hand: answers to older ones are dropped
   bool settled_ = true;
@@ -115,6 +130,10 @@ class Session : public QObject {
   void changed(bool anew = false);
   void forgetWhatIsGone();
   void take(const engine::LiveUpdate& update);
+  void takeTissues(const std::shared_ptr<engine::LiveTissues>& tissues);
+  void followValues();
+  void noteChanged(const std::vector<std::int32_t>& vertices);
+  void measure();
   void setSettled(bool settled);
 };
 

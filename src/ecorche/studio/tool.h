@@ -35,7 +35,6 @@ class Tool : public QObject {
   struct View {
     Session& session;
     const OrbitCamera& camera;
-    Picker& picker;
   };
   explicit Tool(View view) : view_(view) {}
 

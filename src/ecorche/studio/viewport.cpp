@@ -39,6 +39,7 @@ Viewport::Viewport(Session& session, QWidget* parent) : QOpenGLWidget(parent), s
   connect(&session_, &Session::projectChanged, this, &Viewport::redraw);
   connect(&session_, &Session::selectionChanged, this, &Viewport::redraw);
   connect(&session_, &Session::displayChanged, this, &Viewport::redraw);
+  connect(&session_, &Session::fieldsChanged, this, &Viewport::redraw);
   connect(&session_, &Session::liveChanged, this, [this] {
     if (!session_.meshes()) framed_ = false;
     frameWhenFirstSeen();
@@ -152,6 +153,7 @@ void Viewport::begin(bool quick) {
   SceneBuilder::Input input{session_.project(),
                             session_.meshes(),
                             session_.tissues(),
+                            session_.takeFieldEdits(),
                             session_.display(),
                             session_.selection(),
                             {},
@@ -167,9 +169,7 @@ void Viewport::begin(bool quick) {
   how.height = static_cast<int>(std::lround(height() * devicePixelRatioF()));
   how.gradient = true;
   if (quick) {
-    how.samples = 1;
-    how.lightsPerPass = 4;
-    how.shadowMapSize = 512;
+    how.motion = true;
   } else {
     how.samples = kFineSamples;
   }

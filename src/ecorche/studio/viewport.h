@@ -25,7 +25,7 @@ class Viewport : public QOpenGLWidget {
   explicit Viewport(Session& session, QWidget* parent = nullptr);
   ~Viewport() override;
 
-  [[nodiscard]] Tool::View toolView() { return {session_, camera_, picker_}; }
+  [[nodiscard]] Tool::View toolView() { return {session_, camera_}; }
   void setTool(Tool* tool);  ///< not owned
   [[nodiscard]] const OrbitCamera& eye() const { return camera_; }
   void setNavigation(NavigationPreset preset) { navigation_ = preset; }
@@ -68,7 +68,6 @@ class Viewport : public QOpenGLWidget {
  private:
   Session& session_;
   OrbitCamera camera_;
-  Picker picker_;
   SceneBuilder scenes_;
   SceneColours colours_;
   Tool* tool_ = nullptr;

@@ -64,6 +64,7 @@ const TissueFields& ValueFields::fields() const { return impl_->fields; }
 const CoreSamples& ValueFields::cores() const { return impl_->cores; }
 const std::vector<CurveTissue>& ValueFields::tissues() const { return impl_->tissues; }
 const std::vector<TissueId>& ValueFields::owners() const { return impl_->owner; }
+double ValueFields::fat() const { return impl_->options.fat; }
 
 Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> domain,
                                         std::shared_ptr<const TissueSolver> solver,

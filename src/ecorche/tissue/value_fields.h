@@ -36,6 +36,7 @@ class ValueFields {
   [[nodiscard]] const CoreSamples& cores() const;
   [[nodiscard]] const std::vector<CurveTissue>& tissues() const;
   [[nodiscard]] const std::vector<TissueId>& owners() const;  ///< #V
+  [[nodiscard]] double fat() const;                           ///< value on skin [unitless]
 
   /// What an edit changed.
   struct Changed {
