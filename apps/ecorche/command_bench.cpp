@@ -1,6 +1,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/bench.h>
 #include <ecorche/engine/machine.h>
+#include <ecorche/engine/view_bench.h>
 #include <ecorche/model/project_file.h>
 #include <fmt/format.h>
 
@@ -28,6 +29,9 @@ struct BenchArguments {
   std::string size;  // of the domain that is scaled, or built
   std::string preview = "640k";
   bool unsized = false;
+  engine::ViewBenchOptions view;
+  std::string viewUp = "z";
+  bool withoutPaper = false;
 };
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
@@ -213,6 +217,87 @@ Result<void> runScale(const BenchArguments& args, Session& session) {
   return {};
 }
 
+Json viewJson(const std::vector<engine::ViewCase>& cases, const engine::ViewBenchOptions& options) {
+  Json out = benchHeader("view");
+  const auto frame = [](const engine::FrameTimes& t) {
+    return Json{{"p50_ms", 1e3 * t.p50}, {"p95_ms", 1e3 * t.p95}, {"max_ms", 1e3 * t.max}};
+  };
+  for (const engine::ViewCase& c : cases) {
+    Json metrics = frame(c.frame);
+    metrics["steps"] = frame(c.steps);
+    metrics["width"] = options.width;
+    metrics["height"] = options.height;
+    metrics["drawn_tets"] = c.drawnTets;
+    metrics["triangles"] = c.triangles;
+    metrics["prepare_ms"] = 1e3 * c.prepare;
+    metrics["first_upload_ms"] = 1e3 * c.firstUpload;
+    metrics["full_bytes"] = c.fullBytes;
+    metrics["edit_vertex_share"] = c.editShare;
+    metrics["edit_bytes"] = c.editBytes;
+    metrics["edit_upload_ms"] = 1e3 * c.editUpload;
+    metrics["pick_ms"] = 1e3 * c.pick;
+    metrics["same_tissue_share"] = c.sameTissue;
+    metrics["normals_within_3_deg_share"] = c.normalsClose;
+    Json ratios = Json::object();
+    if (c.paperFrame > 0.0) {
+      metrics["draw_all_ms"] = 1e3 * c.paperFrame;
+      metrics["draw_all_same_tissue_share"] = c.paperSameTissue;
+      ratios["vs_draw_all"] = c.paperFrame / c.steps.p50;
+      ratios["vs_draw_all_whole_frame"] = c.paperFrame / c.frame.p50;
+    }
+    out["cases"].push_back({{"name", c.name},
+                            {"tets", c.tets},
+                            {"muscles", c.muscles},
+                            {"threads", threadCount()},
+                            {"metrics", metrics},
+                            {"ratios", ratios},
+                            {"errors", {{"owner_share", 1.0 - c.sameTissue}}}});
+  }
+  return out;
+}
+
+std::string viewText(const std::vector<engine::ViewCase>& cases) {
+  Table table({{"domain", Table::Align::Left},
+               {"tets", Table::Align::Right},
+               {"drawn", Table::Align::Right},
+               {"frame ms", Table::Align::Right},
+               {"muscles ms", Table::Align::Right},
+               {"paper's ms", Table::Align::Right},
+               {"times", Table::Align::Right},
+               {"same tissue", Table::Align::Right},
+               {"normals", Table::Align::Right},
+               {"edit", Table::Align::Right},
+               {"sent", Table::Align::Right},
+               {"pick ms", Table::Align::Right}});
+  for (const engine::ViewCase& c : cases)
+    table.add({c.name, fmt::format("{}", c.tets), fmt::format("{}", c.drawnTets),
+               fmt::format("{:.1f}", 1e3 * c.frame.p50), fmt::format("{:.1f}", 1e3 * c.steps.p50),
+               fmt::format("{:.0f}", 1e3 * c.paperFrame),
+               fmt::format("{:.1f}", c.paperFrame / c.steps.p50), percent(c.sameTissue),
+               percent(c.normalsClose), percent(c.editShare),
+               percent(static_cast<double>(c.editBytes) / static_cast<double>(c.fullBytes)),
+               fmt::format("{:.2f}", 1e3 * c.pick)});
+  return table.text() +
+         "\nframe: bones, muscles and skin, lit, read back; muscles: the step from fat alone, against "
+         "the paper's way\nedit: share of vertices that a moved curve changed; sent: share of all "
+         "bytes that went to the card for it\n";
+}
+
+Result<void> runView(BenchArguments args, Session& session) {
+  const auto tets = sizeAskedFor(args);
+  if (!tets) return passOn(tets);
+  auto project = model::loadProject(args.project);
+  if (!project) return passOn(project);
+  args.view.tets = *tets;
+  args.view.paper = !args.withoutPaper;
+  args.view.up = static_cast<char>(std::toupper(args.viewUp.front()));
+  auto cases = engine::benchView(*project, args.view, session.run);
+  if (!cases) return passOn(cases);
+  fmt::print("{}", session.globals.json ? viewJson(*cases, args.view).dump(2) + "\n"
+                                        : viewText(*cases));
+  return {};
+}
+
 }  // namespace
 
 nlohmann::ordered_json benchHeader(const char* bench) {
@@ -257,14 +342,27 @@ void addBench(CLI::App& app, Commands& commands) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   scale->add_option("--tets", args->size, "Size of the domain instead of the project's");
+  CLI::App* view = bench->add_subcommand(
+      "view", "How fast and how right the preview is drawn, the paper's way beside");
+  view->add_option("PROJECT", args->project, "Project file (.ecorche)")->required();
+  view->add_option("--tets", args->size, "Size of the domain instead of the project's");
+  view->add_option("--frames", args->view.frames, "Frames while the view turns once around")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  view->add_option("--up", args->viewUp, "Axis that points up: x, y or z")
+      ->check(CLI::IsMember({"x", "y", "z", "X", "Y", "Z"}))
+      ->capture_default_str();
+  view->add_flag("--without-paper", args->withoutPaper, "Leave the paper's way out");
   bench->footer(
       "Examples:\n"
       "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
       "  ecorche bench preview hind-limb.ecorche --preview 640k --tets 640k\n"
       "  ecorche bench scale hind-limb.ecorche --tets 640k --json\n"
-      "  ecorche bench values left-39.ecorche --tets 640k");
+      "  ecorche bench values left-39.ecorche --tets 640k\n"
+      "  ecorche bench view hind-limb.ecorche --tets 640k --json");
   commands.push_back({resolution, [args](Session& s) { return runResolution(*args, s); }});
   commands.push_back({preview, [args](Session& s) { return runPreview(*args, s); }});
+  commands.push_back({view, [args](Session& s) { return runView(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
   addBenchValues(*bench, commands);
 }

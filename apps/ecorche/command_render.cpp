@@ -21,6 +21,7 @@ struct RenderArguments {
   std::string tets;
   std::string up = "z";
   std::string palette = "anatomical";
+  bool preview = false;
   engine::PictureSettings settings;
 };
 
@@ -53,7 +54,14 @@ Result<void> runRender(RenderArguments args, Session& session) {
   if (args.palette == "distinct") args.settings.palette = render::Palette::Distinct;
 
   Result<render::Image> picture;
+  if (args.preview && args.settings.fibers)
+    return fail(ErrorCode::CommandSyntax,
+                "--preview draws fields and has no fibres; leave --fibers or --preview away");
   if (std::filesystem::is_directory(args.source)) {
+    if (args.preview)
+      return fail(ErrorCode::FileUnknownFormat,
+                  "a built folder holds no fields to preview; render the project instead",
+                  {.file = args.source});
     if (args.settings.fibers) {
       return fail(
           ErrorCode::FileUnknownFormat,
@@ -72,9 +80,16 @@ Result<void> runRender(RenderArguments args, Session& session) {
       if (!tets) return passOn(tets);
       options.tets = *tets;
     }
-    auto build = engine::build(*project, options, session.run);
-    if (!build) return passOn(build);
-    picture = engine::drawPicture(*project, *build, args.settings, session.run);
+    if (args.preview) {
+      auto preview = engine::preparePreview(*project, options, session.run);
+      if (!preview) return passOn(preview);
+      picture = engine::drawPicture(engine::pictureModel(*project, *preview), args.settings,
+                                    session.run);
+    } else {
+      auto build = engine::build(*project, options, session.run);
+      if (!build) return passOn(build);
+      picture = engine::drawPicture(*project, *build, args.settings, session.run);
+    }
   }
   if (!picture) return passOn(picture);
   if (auto saved = render::writePng(args.output, *picture); !saved) return passOn(saved);
@@ -120,12 +135,17 @@ void addRender(CLI::App& app, Commands& commands) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   sub->add_option("--tets", args->tets, "For a project: about how many tets");
+  sub->add_flag("--preview", args->preview,
+                "For a project: draw tissues straight from their fields, without meshing");
+  sub->add_flag("--motion", args->settings.motion,
+                "As the window shows it while it is turned: one quick pass");
   sub->add_flag("--transparent", args->settings.transparentBackground, "No background");
   sub->footer(
       "Examples:\n"
       "  ecorche render out -o arm.png --view left --hide skin\n"
       "  ecorche render arm.ecorche -o slice.png --clip z=0.3 --palette distinct\n"
-      "  ecorche render arm.ecorche -o fibres.png --hide skin --fibers");
+      "  ecorche render arm.ecorche -o fibres.png --hide skin --fibers\n"
+      "  ecorche render arm.ecorche -o look.png --preview --motion");
   commands.push_back({sub, [args](Session& session) { return runRender(*args, session); }});
 }
 

@@ -1,7 +1,10 @@
 #include <ecorche/engine/picture.h>
+#include <ecorche/model/project_check.h>
 #include <ecorche/render/anatomy_scene.h>
 #include <ecorche/render/renderer.h>
 #include <ecorche/render/slice.h>
+#include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/solve_tissues.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -108,6 +111,20 @@ void addTissues(const PictureModel& model, const PictureSettings& settings,
   }
 }
 
+void addVolume(const PictureModel& model, const Visibility& visible,
+               const std::vector<Rgba>& colours, render::Scene& scene) {
+  scene.volume = model.volume;
+  for (std::size_t i = 0; i < model.tissues.size(); ++i) {
+    const PictureModel::Tissue& tissue = model.tissues[i];
+    render::VolumeTissue& look = scene.volume->tissues[i];
+    look.colour = colours[static_cast<std::size_t>(tissue.id.value)];
+    const bool fat = tissue.kind == "fat";
+    look.visible = !fat && visible.showsTissue(tissue);
+    look.inCut = fat ? !visible.hidden("fat") : look.visible;
+    look.roughness = tissue.kind == "filler" ? 0.55f : 0.36f;
+  }
+}
+
 void addSlice(const PictureModel& model, const PictureSettings& settings, const Visibility& visible,
               const std::vector<Rgba>& colours, render::Scene& scene) {
   if (!model.tets || model.tets->T.rows() == 0) return;
@@ -146,34 +163,85 @@ void addSlice(const PictureModel& model, const PictureSettings& settings, const 
 
 }  // namespace
 
+namespace {
+
+PictureModel::Surface pictureSurface(const mesh::SurfaceMesh& mesh) {
+  return {mesh.name, std::make_shared<const mesh::SurfaceMesh>(mesh), nullptr};
+}
+
+// Name, kind, colour and curves of a muscle or filler; its control points join the model's
+PictureModel::Tissue pictureTissue(const model::Tissue& from, const tissue::CurveTissue& curves,
+                                   TissueId id, double spacing, PictureModel& model) {
+  PictureModel::Tissue tissue;
+  tissue.id = id;
+  tissue.name = curves.name;
+  tissue.kind = std::string(model::word(from.kind));
+  if (from.colour) tissue.colour = render::colourFromHex(model::colourText(*from.colour));
+  for (const auto& curve : curves.curves)
+    tissue.curves.push_back(curve.spline.sample(spacing).point);
+  for (const auto& curve : from.curves) {
+    for (const auto& point : curve.points) model.controlPoints.push_back(point.at);
+  }
+  return tissue;
+}
+
+}  // namespace
+
+Result<Preview> preparePreview(const model::Project& project, const BuildOptions& options,
+                               RunContext& run) {
+  if (auto sound = model::checkProject(project); !sound) return passOn(sound);
+  auto domain = prepareDomain(project, options, run);
+  if (!domain) return passOn(domain);
+  auto solved = tissue::solveTissues(domain->build.domain, curveTissues(project),
+                                     tissueOptions(project), run);
+  if (!solved) return passOn(solved);
+  return Preview{std::move(*domain), std::move(solved->fields)};
+}
+
+PictureModel pictureModel(const model::Project& project, const Preview& preview) {
+  PictureModel out;
+  const domain::Domain& domain = preview.domain.build.domain;
+  out.skin = pictureSurface(preview.domain.meshes.skin);
+  for (const auto& m : preview.domain.meshes.bones) out.bones.push_back(pictureSurface(m));
+  for (const auto& m : preview.domain.meshes.obstacles) out.obstacles.push_back(pictureSurface(m));
+  const std::vector<tissue::CurveTissue> tissues = curveTissues(project);
+  const std::vector<std::size_t> places = curveTissuePlaces(project);
+  out.tissues.push_back({.id = kFat, .name = "fat", .kind = "fat"});
+  for (std::size_t i = 0; i < tissues.size(); ++i)
+    out.tissues.push_back(pictureTissue(project.tissues[places[i]], tissues[i],
+                                        TissueId(static_cast<std::int64_t>(i) + 2),
+                                        0.002 * domain.skinDiagonal, out));
+  out.tets = std::make_shared<const mesh::TetMesh>(domain.mesh);
+  out.neighbours = std::make_shared<const mesh::TetNeighbours>(domain.neighbours);
+  // For telling neighbours apart by colour the owner of a corner is enough
+  const std::vector<TissueId> owner = tissue::vertexOwners(preview.fields);
+  for (Eigen::Index t = 0; t < domain.mesh.T.rows(); ++t)
+    out.label.push_back(owner[static_cast<std::size_t>(domain.mesh.T(t, 0))]);
+  render::VolumeItem volume;
+  volume.geometry = std::make_shared<const render::VolumeGeometry>(out.tets, domain.neighbours);
+  volume.fields = std::make_shared<const tissue::FieldMatrix>(preview.fields.values);
+  volume.fatIsCandidate = preview.fields.fatIsCandidate;
+  volume.tissues.resize(out.tissues.size());
+  out.volume = std::move(volume);
+  return out;
+}
+
 PictureModel pictureModel(const model::Project& project, const Build& build) {
   PictureModel out;
-  const auto surface = [](const mesh::SurfaceMesh& mesh) {
-    return PictureModel::Surface{mesh.name, std::make_shared<const mesh::SurfaceMesh>(mesh),
-                                 nullptr};
-  };
-  out.skin = surface(build.meshes.skin);
-  for (const auto& m : build.meshes.bones) out.bones.push_back(surface(m));
-  for (const auto& m : build.meshes.obstacles) out.obstacles.push_back(surface(m));
+  out.skin = pictureSurface(build.meshes.skin);
+  for (const auto& m : build.meshes.bones) out.bones.push_back(pictureSurface(m));
+  for (const auto& m : build.meshes.obstacles) out.obstacles.push_back(pictureSurface(m));
   const std::vector<std::size_t> places = curveTissuePlaces(project);
   const double spacing = 0.002 * build.domain.domain.skinDiagonal;
   for (std::size_t i = 0; i < build.surfaces.size(); ++i) {
-    PictureModel::Tissue tissue;
-    tissue.id = TissueId(static_cast<std::int64_t>(i) + 1);
-    tissue.name = build.surfaces[i].mesh.name;
-    tissue.kind = "fat";
-    tissue.surface = surface(build.surfaces[i].mesh);
+    const TissueId id(static_cast<std::int64_t>(i) + 1);
+    PictureModel::Tissue tissue{.id = id, .name = build.surfaces[i].mesh.name, .kind = "fat"};
+    if (i > 0)
+      tissue = pictureTissue(project.tissues[places[i - 1]], build.tissues[i - 1], id, spacing, out);
+    tissue.surface = pictureSurface(build.surfaces[i].mesh);
     if (i > 0) {
-      const model::Tissue& from = project.tissues[places[i - 1]];
-      tissue.kind = std::string(model::word(from.kind));
-      if (from.colour) tissue.colour = render::colourFromHex(model::colourText(*from.colour));
       tissue.surface.normals = std::make_shared<const mesh::Directions>(envelope::fieldNormals(
           build.surfaces[i], build.anatomy, build.domain.domain, build.fields));
-      for (const auto& curve : build.tissues[i - 1].curves)
-        tissue.curves.push_back(curve.spline.sample(spacing).point);
-      for (const auto& curve : from.curves) {
-        for (const auto& point : curve.points) out.controlPoints.push_back(point.at);
-      }
       for (const auto& muscle : build.fibers.muscles) {
         if (muscle.tissue == tissue.id) tissue.fibers = muscle.lines;
       }
@@ -231,9 +299,10 @@ Result<render::Image> drawPicture(const PictureModel& model, const PictureSettin
       scene.surfaces.push_back(item(render::Material::Obstacle, obstacle));
   }
   addTissues(model, settings, visible, colours, scene);
+  if (model.volume) addVolume(model, visible, colours, scene);
   if (settings.clip) {
     scene.clip = settings.clip;
-    addSlice(model, settings, visible, colours, scene);
+    if (!model.volume) addSlice(model, settings, visible, colours, scene);
   }
 
   // Framed on what is seen of the domain: half models and regions fill the picture although skin
@@ -249,6 +318,7 @@ Result<render::Image> drawPicture(const PictureModel& model, const PictureSettin
   how.width = settings.width;
   how.height = settings.height;
   how.samples = settings.samples;
+  how.motion = settings.motion;
   return render::renderPicture(scene, camera, how, run);
 }
 

@@ -39,10 +39,22 @@ struct PictureModel {
   std::shared_ptr<const mesh::TetMesh> tets;  ///< for slices
   std::shared_ptr<const mesh::TetNeighbours> neighbours;
   std::vector<TissueId> label;  ///< #T
+  /// Tissues straight from their fields, in place of surfaces and slices.
+  std::optional<render::VolumeItem> volume;
 };
 
 /// @errors none; shares nothing with the build, which may go
 [[nodiscard]] PictureModel pictureModel(const model::Project& project, const Build& build);
+/// What a window shows while one models: nothing is meshed, tissues are drawn from their fields.
+struct Preview {
+  PreparedDomain domain;
+  tissue::TissueFields fields;
+};
+/// @errors what findFault says about the project, those of prepareDomain and tissue::solveTissues
+[[nodiscard]] Result<Preview> preparePreview(const model::Project& project,
+                                             const BuildOptions& options, RunContext& run);
+[[nodiscard]] PictureModel pictureModel(const model::Project& project, const Preview& preview);
+
 /// Reads model.json, surfaces, tets of a folder that `build` wrote.
 /// @errors those of the readers
 [[nodiscard]] Result<PictureModel> readPictureModel(const std::filesystem::path& folder,
@@ -62,6 +74,7 @@ struct PictureSettings {
   bool fibers = false;            ///< traced fibres in place of muscles' surfaces
   render::Palette palette = render::Palette::Anatomical;
   bool transparentBackground = false;
+  bool motion = false;  ///< as a window shows it while it is being turned: one quick pass
 };
 
 /// "x=0.1", "y<0.2" (keep what is below) or "z>0". A bare "=" keeps what is above. @errors

@@ -81,10 +81,20 @@ Result<void> GpuVolume::uploadRecords(GpuVolumeLayer& layer) {
   return {};
 }
 
+void GpuVolume::smoothFields(const VolumeItem& item, bool otherTets) {
+  const bool same = item.fields == fields_ && item.fieldsRevision == fieldsRevision_;
+  if (same && !otherTets) return;
+  const bool next = !otherTets && item.changed && item.fieldsRevision == fieldsRevision_ + 1;
+  smoothed_.update(*geometry_, *item.fields, next ? item.changed.get() : nullptr);
+  fields_ = item.fields;
+  fieldsRevision_ = item.fieldsRevision;
+}
+
 Result<void> GpuVolume::update(const VolumeItem& item, const std::optional<ClipPlane>& clip) {
   contentBytes_ = 0;
   const std::vector<VolumeLayer> wanted = volumeLayers(item);
-  if (item.geometry != geometry_) {
+  const bool otherTets = item.geometry != geometry_;
+  if (otherTets) {
     geometry_ = item.geometry;
     const mesh::Box& box = geometry_->box();
     origin_ = box.empty() ? mesh::Vector3::Zero() : box.centre();
@@ -94,6 +104,7 @@ Result<void> GpuVolume::update(const VolumeItem& item, const std::optional<ClipP
     uploadPositions();
   }
   uploadTissues(item);
+  smoothFields(item, otherTets);
   if (wanted.size() != layers_.size()) surfaceFresh_ = false;
   layers_.resize(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -101,7 +112,7 @@ Result<void> GpuVolume::update(const VolumeItem& item, const std::optional<ClipP
     GpuVolumeLayer& layer = *layers_[i];
     if (!(layer.layer == wanted[i])) surfaceFresh_ = false;
     layer.layer = wanted[i];
-    layer.records.update(item, layer.layer, clip);
+    layer.records.update(item, smoothed_, layer.layer, clip);
     if (auto ok = uploadRecords(layer); !ok) return ok;
   }
   return {};

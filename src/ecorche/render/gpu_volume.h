@@ -62,6 +62,9 @@ class GpuVolume {
   gl::Buffer positionData_, tissueData_;
   gl::Texture positions_, tissues_;
   std::vector<float> tissueTable_;
+  SmoothedFields smoothed_;
+  std::shared_ptr<const tissue::FieldMatrix> fields_;  // that smoothed_ is of
+  std::uint64_t fieldsRevision_ = 0;
   std::vector<std::unique_ptr<GpuVolumeLayer>> layers_;
   std::vector<Eigen::Vector3f> surface_;
   bool surfaceFresh_ = false;
@@ -70,6 +73,7 @@ class GpuVolume {
 
   void uploadPositions();
   void uploadTissues(const VolumeItem& item);
+  void smoothFields(const VolumeItem& item, bool otherTets);
   [[nodiscard]] Result<void> uploadRecords(GpuVolumeLayer& layer);
 };
 

@@ -61,6 +61,14 @@ EyeAxes eyeAxes(const Camera& camera) {
   return axes;
 }
 
+SkyLight skyLight(float exposure) {
+  // The reference surface is turned halfway between eye and up: its share of the way from below
+  const float height = 0.5f + 0.5f * std::sqrt(0.5f);
+  const float received = (kSkyBelow + height * (kSkyAbove - kSkyBelow)).mean();
+  const float scale = exposure * (1.0f - kKeyShare) / received;
+  return {scale * kSkyAbove, scale * kSkyBelow};
+}
+
 std::vector<LightSample> lightsOfPass(const Camera& camera, const LightRigOptions& o, int pass) {
   EC_REQUIRE(pass >= 0 && pass < o.passes);
   const EyeAxes eye = eyeAxes(camera);
@@ -96,6 +104,7 @@ std::vector<LightSample> lightsOfPass(const Camera& camera, const LightRigOption
     const float height = 0.5f + 0.5f * static_cast<float>(d.dot(eye.up));
     lights.push_back({d, kSkyBelow + height * (kSkyAbove - kSkyBelow), false});
   }
+  if (o.skyPerPass == 0) return lights;
   scale(skyBegin, lights.size(),
         o.exposure * (1.0f - kKeyShare) / std::max(received(skyBegin, lights.size()), 1e-6f));
   return lights;

@@ -35,6 +35,15 @@ struct LightRigOptions {
 [[nodiscard]] std::vector<LightSample> lightsOfPass(const Camera& camera,
                                                     const LightRigOptions& options, int pass);
 
+/// The sky of the rig as one light from everywhere: what a surface receives that faces up or down,
+/// growing evenly in between.
+struct SkyLight {
+  Eigen::Vector3f above = Eigen::Vector3f::Zero();
+  Eigen::Vector3f below = Eigen::Vector3f::Zero();
+};
+/// @return  what the sky of all passes gives the reference surface where nothing shades it
+[[nodiscard]] SkyLight skyLight(float exposure);
+
 /// The eye's own axes, unit and right-handed: right, up, towards the eye. Works for an `up` along
 /// the line of sight.
 struct EyeAxes {

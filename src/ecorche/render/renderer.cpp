@@ -20,10 +20,12 @@ namespace {
 using mesh::Vector3;
 
 constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a pixel
+constexpr double kReachRel = 0.02;  // how far things darken each other in a view in motion
 
 struct Programs {
   gl::Program volume, volumeSurface, volumeVeil;
   gl::Program mesh, shadow, tube, tubeOnTop, ball, ballOnTop, shade, veil, copy, resolve;
+  gl::Program open, motion, smooth;
 
   static Result<Programs> build() {
     Programs p;
@@ -47,6 +49,9 @@ struct Programs {
     if (ok) ok = make(p.ball, "ball", glsl::ballVertex(), glsl::ballFragment(false));
     if (ok) ok = make(p.ballOnTop, "ball on top", glsl::ballVertex(), glsl::ballFragment(true));
     if (ok) ok = make(p.shade, "shade", glsl::screenVertex(), glsl::shadeFragment());
+    if (ok) ok = make(p.open, "openness", glsl::screenVertex(), glsl::openFragment());
+    if (ok) ok = make(p.motion, "motion", glsl::screenVertex(), glsl::motionFragment());
+    if (ok) ok = make(p.smooth, "smooth edges", glsl::screenVertex(), glsl::smoothFragment());
     if (ok) ok = make(p.veil, "veil", glsl::meshVertex(), glsl::veilFragment());
     if (ok) ok = make(p.copy, "copy", glsl::screenVertex(), glsl::copyFragment());
     if (ok) ok = make(p.resolve, "resolve", glsl::screenVertex(), glsl::resolveFragment());
@@ -64,7 +69,8 @@ struct Targets {
   gl::Texture veilLight, veilDepth[2], veilSum;
   gl::Texture sum;  // over passes
   gl::Texture found, foundDepth;  // records of the volume, and the faces they were entered by
-  gl::Framebuffer steps;
+  gl::Texture open;                // openness at half the size, for views in motion
+  gl::Framebuffer steps, openness, smoothed;
   gl::Framebuffer seen, lit, layer[2], veils, total;
 
   static Result<Targets> make(int width, int height) {
@@ -93,6 +99,9 @@ struct Targets {
     t.foundDepth = deep();
     Result<void> ok;
     if (ok) ok = frame(t.steps, {&t.found}, &t.foundDepth);
+    t.open = gl::makeTexture2D(GL_RG32F, (width + 1) / 2, (height + 1) / 2);
+    if (ok) ok = frame(t.openness, {&t.open}, nullptr);
+    if (ok) ok = frame(t.smoothed, {&t.veilLight}, nullptr);
     if (ok) ok = frame(t.seen, {&t.colour, &t.normal}, &t.depth);
     if (ok) ok = frame(t.lit, {&t.light}, nullptr);
     if (ok) ok = frame(t.layer[0], {&t.veilLight}, &t.veilDepth[0]);
@@ -154,6 +163,8 @@ struct Renderer::Impl {
   std::vector<ShadowMap> maps;
 
   Result<void> begin(const Scene& newScene, const Camera& newCamera, const PictureOptions& o);
+  void fitLights();
+  void startPass();
   void pass();
   void drawShadows();
   void drawSeen();
@@ -161,6 +172,8 @@ struct Renderer::Impl {
   void drawVolume();
   void drawVolumeVeils();
   void shade();
+  void shadeInMotion();
+  void smoothEdges();
   void drawVeils();
   void drawOnTop();
   void addUp();
@@ -187,6 +200,7 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
                                            std::to_string(largest) +
                                            " pixels a side; ask for a smaller one");
   options = o;
+  if (o.motion) options.samples = 1;
   camera = newCamera;
   eye = eyeAxes(camera);
   clip = newScene.clip;
@@ -205,30 +219,11 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
     targets = std::move(*made);
   }
 
-  // Shadows cost a drawing of everything per direction: in large scenes several passes share them
-  const std::vector<Eigen::Vector3f> corners = casterCorners();
-  const auto triangles = static_cast<GLsizei>(scene.opaque().casterCount / 3 + volumeCasterCount / 3);
-  const int lightCount =
-      std::clamp(o.lightsPerPass.value_or(triangles > 750'000 ? 8 : 10), 4, glsl::kMaxLights);
-  passesPerLights = triangles > 1'500'000 ? 4 : triangles > 250'000 ? 2 : 1;
-  rig = {.passes = (o.samples + passesPerLights - 1) / passesPerLights,
-         .keyPerPass = lightCount >= 8 ? 2 : 1,
-         .rimPerPass = 1,
-         .skyPerPass = lightCount - (lightCount >= 8 ? 3 : 2),
-         .exposure = o.exposure};
-  if (shadowSize != o.shadowMapSize || shadowLayers != lightCount) {
-    shadows = gl::makeShadowMaps(o.shadowMapSize, lightCount);
-    shadowSize = o.shadowMapSize;
-    shadowLayers = lightCount;
-  }
-
-  const Eigen::Matrix4d unjittered =
-      viewProjection(camera, o.width, o.height, scene.box(), scene.origin());
-  focus = shadowFocus(corners, unjittered.cast<float>());
-  if (o.ground) {
-    lowest = std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3f& p : corners)
-      lowest = std::min(lowest, o.ground->normalized().dot(p.cast<double>()));
+  if (o.motion) {
+    rig = {.passes = 1, .keyPerPass = 1, .rimPerPass = 1, .skyPerPass = 0, .exposure = o.exposure};
+    passesPerLights = 1;
+  } else {
+    fitLights();
   }
 
   glBindFramebuffer(GL_FRAMEBUFFER, targets.total.id());
@@ -238,6 +233,35 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClear(GL_COLOR_BUFFER_BIT);
   return {};
+}
+
+// Lamps and shadow maps for a picture at rest.
+void Renderer::Impl::fitLights() {
+  // Shadows cost a drawing of everything per direction: in large scenes several passes share them
+  const std::vector<Eigen::Vector3f> corners = casterCorners();
+  const auto triangles = static_cast<GLsizei>(scene.opaque().casterCount / 3 + volumeCasterCount / 3);
+  const int lightCount =
+      std::clamp(options.lightsPerPass.value_or(triangles > 750'000 ? 8 : 10), 4, glsl::kMaxLights);
+  passesPerLights = triangles > 1'500'000 ? 4 : triangles > 250'000 ? 2 : 1;
+  rig = {.passes = (options.samples + passesPerLights - 1) / passesPerLights,
+         .keyPerPass = lightCount >= 8 ? 2 : 1,
+         .rimPerPass = 1,
+         .skyPerPass = lightCount - (lightCount >= 8 ? 3 : 2),
+         .exposure = options.exposure};
+  if (shadowSize != options.shadowMapSize || shadowLayers != lightCount) {
+    shadows = gl::makeShadowMaps(options.shadowMapSize, lightCount);
+    shadowSize = options.shadowMapSize;
+    shadowLayers = lightCount;
+  }
+
+  const Eigen::Matrix4d unjittered =
+      viewProjection(camera, options.width, options.height, scene.box(), scene.origin());
+  focus = shadowFocus(corners, unjittered.cast<float>());
+  if (options.ground) {
+    lowest = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3f& p : corners)
+      lowest = std::min(lowest, options.ground->normalized().dot(p.cast<double>()));
+  }
 }
 
 void Renderer::Impl::setEye(const gl::Program& p) const {
@@ -368,7 +392,8 @@ void Renderer::Impl::drawBalls(const gl::Program& p, bool onTop) const {
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, batch.count);
 }
 
-void Renderer::Impl::pass() {
+// The eye of this pass, and switches as we want them.
+void Renderer::Impl::startPass() {
   const Eigen::Matrix4d m = viewProjection(camera, options.width, options.height, scene.box(),
                                            scene.origin(), jitterOf(passesDone, options.samples));
   worldToClip = m.cast<float>();
@@ -382,7 +407,13 @@ void Renderer::Impl::pass() {
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  if (passesDone % passesPerLights == 0) {
+}
+
+void Renderer::Impl::pass() {
+  startPass();
+  if (options.motion) {
+    lights = lightsOfPass(camera, rig, 0);
+  } else if (passesDone % passesPerLights == 0) {
     lights = lightsOfPass(camera, rig, passesDone / passesPerLights);
     maps.clear();
     for (const LightSample& light : lights)
@@ -391,11 +422,19 @@ void Renderer::Impl::pass() {
   }
   glViewport(0, 0, options.width, options.height);
   drawSeen();
-  shade();
+  if (options.motion) {
+    shadeInMotion();
+  } else {
+    shade();
+  }
   drawVolumeVeils();
   drawVeils();
   drawOnTop();
-  addUp();
+  if (options.motion) {
+    smoothEdges();
+  } else {
+    addUp();
+  }
   ++passesDone;
 }
 
@@ -526,6 +565,46 @@ void Renderer::Impl::shade() {
   drawScreen();
 }
 
+// Lamps without shadows; clefts by the depth of the picture.
+void Renderer::Impl::shadeInMotion() {
+  glDisable(GL_DEPTH_TEST);
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.openness.id());
+  glViewport(0, 0, (options.width + 1) / 2, (options.height + 1) / 2);
+  const gl::Program& o = programs.open;
+  o.use();
+  setEye(o);
+  o.set("uReach", static_cast<float>(kReachRel * scene.box().diagonal()));
+  glUniform2i(o.location("uSize2"), options.width, options.height);
+  o.setTexture("uNormalMap", 0, GL_TEXTURE_2D, targets.normal);
+  o.setTexture("uDepthMap", 1, GL_TEXTURE_2D, targets.depth);
+  drawScreen();
+
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
+  glViewport(0, 0, options.width, options.height);
+  const gl::Program& p = programs.motion;
+  p.use();
+  setEye(p);
+  setLights(p);
+  const SkyLight sky = skyLight(options.exposure);
+  p.set("uSkyAbove", {sky.above.x(), sky.above.y(), sky.above.z()}, 3);
+  p.set("uSkyBelow", {sky.below.x(), sky.below.y(), sky.below.z()}, 3);
+  p.set("uOutline", options.outline);
+  p.setTexture("uColourMap", 0, GL_TEXTURE_2D, targets.colour);
+  p.setTexture("uNormalMap", 1, GL_TEXTURE_2D, targets.normal);
+  p.setTexture("uDepthMap", 2, GL_TEXTURE_2D, targets.depth);
+  p.setTexture("uOpenMap", 3, GL_TEXTURE_2D, targets.open);
+  drawScreen();
+}
+
+// Into the layer that veils no longer need; the picture is made from there.
+void Renderer::Impl::smoothEdges() {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.smoothed.id());
+  glDisable(GL_DEPTH_TEST);
+  programs.smooth.use();
+  programs.smooth.setTexture("uSource", 0, GL_TEXTURE_2D, targets.light);
+  drawScreen();
+}
+
 // Depth peeling, front to back [Everitt 2001]: each layer is what lies just behind the last one.
 void Renderer::Impl::drawVeils() {
   if (scene.veils().indexCount == 0) return;
@@ -617,7 +696,7 @@ void Renderer::Impl::resolve(int x, int y) {
   glDisable(GL_FRAMEBUFFER_SRGB);
   const gl::Program& p = programs.resolve;
   p.use();
-  p.set("uWeight", 1.0f / static_cast<float>(std::max(1, passesDone)));
+  p.set("uWeight", options.motion ? 1.0f : 1.0f / static_cast<float>(std::max(1, passesDone)));
   const std::vector<float> middle(background.begin(), background.end());
   std::vector<float> corner = middle;
   if (options.gradient)
@@ -625,7 +704,8 @@ void Renderer::Impl::resolve(int x, int y) {
   p.set("uBackground", middle, 4);
   p.set("uBackgroundEdge", corner, 4);
   glUniform2i(p.location("uOffset"), x, y);
-  p.setTexture("uSum", 0, GL_TEXTURE_2D, targets.sum);
+  const bool single = options.motion && passesDone > 0;
+  p.setTexture("uSum", 0, GL_TEXTURE_2D, single ? targets.veilLight : targets.sum);
   drawScreen();
   glUseProgram(0);
   glBindVertexArray(0);
@@ -658,6 +738,13 @@ bool Renderer::pass() {
   if (impl_->passesDone >= impl_->options.samples) return false;
   impl_->pass();
   return true;
+}
+
+void Renderer::passUnlit() {
+  impl_->startPass();
+  glViewport(0, 0, impl_->options.width, impl_->options.height);
+  impl_->drawSeen();
+  glFinish();
 }
 
 void Renderer::resolve(int x, int y) { impl_->resolve(x, y); }

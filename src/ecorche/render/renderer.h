@@ -55,6 +55,8 @@ class Renderer {
                                    const PictureOptions& options);
   /// Adds the next pass; false when all were there already.
   bool pass();
+  /// What a pass sees and nothing more, waiting for the card: for readTissues() and for timing.
+  void passUnlit();
   /// The mean of the passes so far, tone-mapped and sRGB-encoded, into the bound framebuffer at the
   /// viewport's origin.
   void resolve(int x = 0, int y = 0);

@@ -67,7 +67,9 @@ float edgeAt(ivec2 at, vec3 p, float nv, float own) {
     float there = eyeDepth((vec2(q) + 0.5) / vec2(last + 1), texelFetch(uDepthMap, q, 0).r);
     float item = texelFetch(uNormalMap, q, 0).a;
     bool other = abs(item) > 0.5 && item != own;
-    if (there > here + step) edge = 1.0;
+    // Bumps of one tissue are not another thing
+    bool far = there > here + (own < -0.5 && item == own ? 5.0 : 1.0) * step;
+    if (far) edge = 1.0;
     else if (other && there > here - step) edge = max(edge, 0.7);
   }
   return abs(own) < 0.5 ? 0.0 : edge;
@@ -475,28 +477,53 @@ void main() {
 )";
 }
 
-// Smooths stairs along edges [after Lottes 2009]: where the light of a pixel's corners differs, the
-// mean of places along the edge.
+// Smooths stairs along edges [Lottes 2009, FXAA]: an edge is followed to both its ends; how near the
+// pixel is to an end tells how far the thing beside it reaches into it.
 std::string smoothFragment() {
   return kVersion + R"(
 uniform sampler2D uSource;
 layout(location = 0) out vec4 oLight;
+const int kSearch = 10;                  // pixels along the edge, either way
 vec4 tap(ivec2 q) { return texelFetch(uSource, clamp(q, ivec2(0), textureSize(uSource, 0) - 1), 0); }
-// Dark and bright edges alike; what is empty is as bright as paper
-float lightness(vec4 c) { return sqrt(min(dot(c.rgb, vec3(0.3, 0.59, 0.11)), 1.0) + 1.0 - c.a); }
+// As the eye takes it; what is empty is as bright as paper
+float lightness(vec4 c) { return sqrt(min(dot(c.rgb, vec3(0.3, 0.59, 0.11)) + 1.0 - c.a, 1.0)); }
+float at(ivec2 q) { return lightness(tap(q)); }
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  vec4 c = tap(at);
-  vec4 n = tap(at + ivec2(0, 1)), s = tap(at - ivec2(0, 1)), e = tap(at + ivec2(1, 0)), w = tap(at - ivec2(1, 0));
-  float ln = lightness(n), ls = lightness(s), le = lightness(e), lw = lightness(w), lc = lightness(c);
-  float range = max(max(max(ln, ls), max(le, lw)), lc) - min(min(min(ln, ls), min(le, lw)), lc);
-  if (range < 0.06) { oLight = c; return; }
-  // Across the edge goes the larger change; along it nothing is lost by averaging
-  float vertical = abs(ln - ls), horizontal = abs(le - lw);
-  float blend = 0.5 * smoothstep(0.06, 0.22, range);
-  vec4 along = vertical > horizontal ? 0.5 * (n + s) : 0.5 * (e + w);
-  float share = clamp(abs((vertical > horizontal ? 0.5 * (ln + ls) : 0.5 * (le + lw)) - lc) / range, 0.0, 1.0);
-  oLight = mix(c, along, blend * (0.35 + 0.65 * share));
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  vec4 c = tap(here);
+  float lc = lightness(c);
+  float n = at(here + ivec2(0, 1)), s = at(here - ivec2(0, 1)), e = at(here + ivec2(1, 0)), w = at(here - ivec2(1, 0));
+  float range = max(max(max(n, s), max(e, w)), lc) - min(min(min(n, s), min(e, w)), lc);
+  if (range < 0.05) { oLight = c; return; }
+  float ne = at(here + ivec2(1, 1)), nw = at(here + ivec2(-1, 1)), se = at(here + ivec2(1, -1)), sw = at(here - ivec2(1, 1));
+  float flatly = abs(nw + sw - 2.0 * w) + 2.0 * abs(n + s - 2.0 * lc) + abs(ne + se - 2.0 * e);
+  float upright = abs(nw + ne - 2.0 * n) + 2.0 * abs(w + e - 2.0 * lc) + abs(sw + se - 2.0 * s);
+  bool lies = flatly >= upright;         // the edge runs from left to right
+  float before = lies ? s : w, behind = lies ? n : e;
+  bool back = abs(before - lc) >= abs(behind - lc);
+  ivec2 across = (lies ? ivec2(0, 1) : ivec2(1, 0)) * (back ? -1 : 1);
+  ivec2 along = lies ? ivec2(1, 0) : ivec2(0, 1);
+  float other = back ? before : behind;
+  float level = 0.5 * (lc + other), gap = 0.25 * abs(other - lc);
+
+  float ends[2];
+  bool lower[2];
+  for (int k = 0; k < 2; ++k) {
+    ends[k] = float(kSearch);
+    lower[k] = false;
+    for (int i = 1; i <= kSearch; ++i) {
+      ivec2 q = here + along * (k == 0 ? -i : i);
+      float l = 0.5 * (at(q) + at(q + across)) - level;
+      if (abs(l) >= gap) { ends[k] = float(i); lower[k] = l < 0.0; break; }
+    }
+  }
+  bool first = ends[0] < ends[1];
+  bool good = (first ? lower[0] : lower[1]) != (lc < level);
+  float share = good ? 0.5 - min(ends[0], ends[1]) / (ends[0] + ends[1]) : 0.0;
+  // Single pixels and thin lines are softened instead
+  float mean = (2.0 * (n + s + e + w) + ne + nw + se + sw) / 12.0;
+  float lonely = smoothstep(0.0, 1.0, clamp(abs(mean - lc) / range, 0.0, 1.0));
+  oLight = mix(c, tap(here + across), max(share, 0.6 * lonely * lonely));
 }
 )";
 }

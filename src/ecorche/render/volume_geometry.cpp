@@ -78,7 +78,8 @@ void VolumeGeometry::makeStencils() {
   });
   std::partial_sum(stencils_.first.begin(), stencils_.first.end(), stencils_.first.begin());
   stencils_.vertex.resize(static_cast<std::size_t>(stencils_.first.back()));
-  stencils_.weight.resize(stencils_.vertex.size());
+  stencils_.gradient.resize(stencils_.vertex.size());
+  stencils_.mean.resize(stencils_.vertex.size());
 
   // V ∇λ_k = −(area vector of the face opposite k) / 3
   parallelFor(vertexCount, [&](std::int64_t v) {
@@ -99,12 +100,17 @@ void VolumeGeometry::makeStencils() {
         weight[static_cast<std::size_t>(at)] -= (b - a).cross(c - a) / 6.0;
       }
     }
+    // The middle of the neighbours is not v: what a linear field gains on the way there is taken off
     const auto begin = static_cast<std::size_t>(stencils_.first[i]);
+    Vector3 away = Vector3::Zero();
+    for (const std::int32_t u : ring) away += (mesh_->V.row(u) - mesh_->V.row(v)).transpose();
+    away /= static_cast<double>(ring.size());
     for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Vector3 g = volume > 0.0 ? Vector3(weight[k] / volume) : Vector3::Zero();
       stencils_.vertex[begin + k] = ring[k];
-      stencils_.weight[begin + k] =
-          volume > 0.0 ? Eigen::Vector3f((weight[k] / volume).cast<float>())
-                       : Eigen::Vector3f(Eigen::Vector3f::Zero());
+      stencils_.gradient[begin + k] = g.cast<float>();
+      stencils_.mean[begin + k] =
+          static_cast<float>(1.0 / static_cast<double>(ring.size()) - away.dot(g));
     }
   });
 }

@@ -29,13 +29,14 @@ class VolumeGeometry {
   [[nodiscard]] const mesh::VertexTets& vertexTets() const { return around_; }
   [[nodiscard]] const mesh::Box& box() const { return box_; }
 
-  /// Weights of a vertex and its neighbours whose sum with a field's values is the field's gradient
-  /// there: the mean over the tets around, by volume. Neighbours of v are entries first[v] …
-  /// first[v+1]-1.
+  /// Weights of a vertex and its neighbours, entries first[v] … first[v+1]-1. `gradient`: their sum
+  /// with a field's values is the field's gradient at v, the mean over the tets around, by volume.
+  /// `mean`: their sum is the mean of the field around v; a linear field keeps its value.
   struct Stencils {
-    std::vector<std::int64_t> first;       ///< #V+1
-    std::vector<std::int32_t> vertex;      ///< the vertex itself among them
-    std::vector<Eigen::Vector3f> weight;   ///< [1/m]
+    std::vector<std::int64_t> first;        ///< #V+1
+    std::vector<std::int32_t> vertex;       ///< the vertex itself among them
+    std::vector<Eigen::Vector3f> gradient;  ///< [1/m]
+    std::vector<float> mean;                ///< [unitless]
   };
   [[nodiscard]] const Stencils& stencils() const { return stencils_; }
 

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
 #include <ecorche/render/volume_layers.h>
 
 #include <algorithm>
@@ -28,20 +29,94 @@ std::vector<VolumeLayer> volumeLayers(const VolumeItem& item) {
   return layers;
 }
 
+namespace {
+
+// Values of the smoothed difference outside − inside come from `at`; the vertex's own is taken off,
+// so that large equal values take no digits away.
+template <class At>
+Eigen::Vector3f downhill(const VolumeGeometry::Stencils& s, std::int32_t vertex, const At& at) {
+  const auto v = static_cast<std::size_t>(vertex);
+  const auto own = at(vertex);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (auto n = static_cast<std::size_t>(s.first[v]); n < static_cast<std::size_t>(s.first[v + 1]);
+       ++n)
+    sum += static_cast<float>(at(s.vertex[n]) - own) * s.gradient[n];
+  const float length = sum.norm();
+  return length > 0.0f ? Eigen::Vector3f(sum / length) : Eigen::Vector3f(Eigen::Vector3f::Zero());
+}
+
+}  // namespace
+
+void SmoothedFields::update(const VolumeGeometry& geometry, const tissue::FieldMatrix& fields,
+                            const std::vector<std::int32_t>* vertices) {
+  const VolumeGeometry::Stencils& s = geometry.stencils();
+  columns_ = fields.cols();
+  values_.resize(static_cast<std::size_t>(fields.size()));
+  const auto smooth = [&](std::int64_t v) {
+    const auto i = static_cast<std::size_t>(v);
+    thread_local Eigen::RowVectorXd sum;
+    sum.setZero(columns_);
+    for (auto n = static_cast<std::size_t>(s.first[i]);
+         n < static_cast<std::size_t>(s.first[i + 1]); ++n)
+      sum += static_cast<double>(s.mean[n]) * fields.row(s.vertex[n]);
+    float* row = values_.data() + v * columns_;
+    for (std::ptrdiff_t c = 0; c < columns_; ++c) row[c] = static_cast<float>(sum(c));
+  };
+  if (!vertices) {
+    parallelFor(fields.rows(), smooth, 256);
+    return;
+  }
+  const std::vector<std::int32_t> around = withNeighbours(geometry, *vertices, 1);
+  parallelFor(
+      static_cast<std::int64_t>(around.size()),
+      [&](std::int64_t i) { smooth(around[static_cast<std::size_t>(i)]); }, 256);
+}
+
+Eigen::Vector3f interfaceNormal(const VolumeGeometry& geometry, const SmoothedFields& fields,
+                                std::int32_t vertex, Eigen::Index inside, Eigen::Index outside) {
+  return downhill(geometry.stencils(), vertex, [&](std::int32_t u) {
+    const float* row = fields.row(u);
+    return row[outside] - row[inside];
+  });
+}
+
 Eigen::Vector3f interfaceNormal(const VolumeGeometry& geometry, const tissue::FieldMatrix& fields,
                                 std::int32_t vertex, Eigen::Index inside, Eigen::Index outside) {
   const VolumeGeometry::Stencils& s = geometry.stencils();
-  const auto v = static_cast<std::size_t>(vertex);
-  // Against the vertex's own value, so that large equal values take no digits away
-  const double own = fields(vertex, outside) - fields(vertex, inside);
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  for (auto n = static_cast<std::size_t>(s.first[v]); n < static_cast<std::size_t>(s.first[v + 1]);
-       ++n) {
-    const double difference = fields(s.vertex[n], outside) - fields(s.vertex[n], inside);
-    sum += static_cast<float>(difference - own) * s.weight[n];
+  return downhill(s, vertex, [&](std::int32_t u) {
+    const auto i = static_cast<std::size_t>(u);
+    double sum = 0.0;
+    for (auto n = static_cast<std::size_t>(s.first[i]);
+         n < static_cast<std::size_t>(s.first[i + 1]); ++n)
+      sum += static_cast<double>(s.mean[n]) *
+             (fields(s.vertex[n], outside) - fields(s.vertex[n], inside));
+    return sum;
+  });
+}
+
+std::vector<std::int32_t> withNeighbours(const VolumeGeometry& geometry,
+                                         const std::vector<std::int32_t>& vertices, int rounds) {
+  const VolumeGeometry::Stencils& s = geometry.stencils();
+  std::vector<std::uint8_t> marked(s.first.size() - 1, 0);
+  std::vector<std::int32_t> out;
+  const auto add = [&](std::int32_t v) {
+    if (marked[static_cast<std::size_t>(v)] != 0) return;
+    marked[static_cast<std::size_t>(v)] = 1;
+    out.push_back(v);
+  };
+  for (const std::int32_t v : vertices) add(v);
+  std::size_t begin = 0;
+  for (int round = 0; round < rounds; ++round) {
+    const std::size_t end = out.size();
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto v = static_cast<std::size_t>(out[i]);
+      for (auto n = static_cast<std::size_t>(s.first[v]);
+           n < static_cast<std::size_t>(s.first[v + 1]); ++n)
+        add(s.vertex[n]);
+    }
+    begin = end;
   }
-  const float length = sum.norm();
-  return length > 0.0f ? Eigen::Vector3f(sum / length) : Eigen::Vector3f(Eigen::Vector3f::Zero());
+  return out;
 }
 
 }  // namespace ecorche::render

@@ -29,15 +29,40 @@ struct VolumeLayer {
 /// Opaque layers first, then veils; within them in the order of their first tissue.
 [[nodiscard]] std::vector<VolumeLayer> volumeLayers(const VolumeItem& item);
 
-/// Direction in which tissue column `inside` ends and `outside` begins at a vertex: downhill of
-/// f_inside − f_outside, averaged over the tets around. Unit; zero where nothing changes.
+/// Fields averaged over the neighbours of every vertex: what surfaces are shaded by, so that the
+/// tets do not show.
+class SmoothedFields {
+ public:
+  /// @param vertices  those whose values changed; null: all
+  void update(const VolumeGeometry& geometry, const tissue::FieldMatrix& fields,
+              const std::vector<std::int32_t>* vertices);
+  [[nodiscard]] const float* row(std::int32_t vertex) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(vertex) * columns_;
+  }
+
+ private:
+  std::vector<float> values_;
+  std::ptrdiff_t columns_ = 0;
+};
+
+/// Direction in which tissue column `inside` ends and `outside` begins at a vertex: downhill of the
+/// smoothed f_inside − f_outside, averaged over the tets around. Unit; zero where nothing changes.
+[[nodiscard]] Eigen::Vector3f interfaceNormal(const VolumeGeometry& geometry,
+                                              const SmoothedFields& fields, std::int32_t vertex,
+                                              Eigen::Index inside, Eigen::Index outside);
+/// The same where nothing has been smoothed yet.
 [[nodiscard]] Eigen::Vector3f interfaceNormal(const VolumeGeometry& geometry,
                                               const tissue::FieldMatrix& fields,
                                               std::int32_t vertex, Eigen::Index inside,
                                               Eigen::Index outside);
 
-/// A smooth normal is not used where it departs from the true surface by more than about 75°: the
-/// cosine of that.
-inline constexpr float kSmoothNormalTrust = 0.25f;
+/// Vertices within so many edges of the given ones, each once.
+[[nodiscard]] std::vector<std::int32_t> withNeighbours(const VolumeGeometry& geometry,
+                                                       const std::vector<std::int32_t>& vertices,
+                                                       int rounds);
+
+/// A smooth normal is not used where it looks away from the true surface: the cosine below which it
+/// does.
+inline constexpr float kSmoothNormalTrust = -0.1f;
 
 }  // namespace ecorche::render

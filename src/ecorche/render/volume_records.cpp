@@ -126,8 +126,8 @@ std::vector<std::int32_t> VolumeRecords::updateClip(const std::optional<ClipPlan
   return touched;
 }
 
-void VolumeRecords::update(const VolumeItem& item, const VolumeLayer& layer,
-                           const std::optional<ClipPlane>& clip) {
+void VolumeRecords::update(const VolumeItem& item, const SmoothedFields& smoothed,
+                           const VolumeLayer& layer, const std::optional<ClipPlane>& clip) {
   const bool otherTets = item.geometry != geometry_;
   const bool sameFields = item.fields == fields_ && item.fieldsRevision == fieldsRevision_;
   const bool nextFields = item.fieldsRevision == fieldsRevision_ + 1 && item.changed != nullptr;
@@ -154,23 +154,13 @@ void VolumeRecords::update(const VolumeItem& item, const VolumeLayer& layer,
   if (all) {
     EC_REQUIRE(fields_->cols() < static_cast<Eigen::Index>(kCutBit));
     updateOwners(nullptr);
-    rebuild(geometry_->tetsByCluster(), true);
+    rebuild(geometry_->tetsByCluster(), smoothed, true);
     return;
   }
   if (!sameFields) {
     updateOwners(item.changed.get());
-    // Normals at a vertex look at its neighbours: tets around those too
-    std::vector<std::uint8_t> mark(static_cast<std::size_t>(mesh.V.rows()), 0);
-    const VolumeGeometry::Stencils& s = geometry_->stencils();
-    std::vector<std::int32_t> ring;
-    for (const std::int32_t v : *item.changed)
-      for (auto n = static_cast<std::size_t>(s.first[static_cast<std::size_t>(v)]);
-           n < static_cast<std::size_t>(s.first[static_cast<std::size_t>(v) + 1]); ++n) {
-        const std::int32_t u = s.vertex[n];
-        if (mark[static_cast<std::size_t>(u)] != 0) continue;
-        mark[static_cast<std::size_t>(u)] = 1;
-        ring.push_back(u);
-      }
+    // Normals at a vertex look at its neighbours, and those at theirs
+    const std::vector<std::int32_t> ring = withNeighbours(*geometry_, *item.changed, 2);
     const mesh::VertexTets& around = geometry_->vertexTets();
     for (const std::int32_t v : ring)
       touched.insert(touched.end(),
@@ -179,11 +169,11 @@ void VolumeRecords::update(const VolumeItem& item, const VolumeLayer& layer,
   }
   std::ranges::sort(touched);
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  rebuild(touched, false);
+  rebuild(touched, smoothed, false);
 }
 
 // Everything that can be seen in one tet; nothing is added where nothing can.
-void VolumeRecords::make(std::int32_t tet, Chunk& out) const {
+void VolumeRecords::make(std::int32_t tet, const SmoothedFields& smoothed, Chunk& out) const {
   const mesh::TetMesh& mesh = geometry_->mesh();
   std::array<std::int32_t, 4> vertex{};
   std::array<Eigen::Index, 4> owner{};
@@ -311,7 +301,7 @@ void VolumeRecords::make(std::int32_t tet, Chunk& out) const {
     for (std::size_t j = seen; j < candidates.size(); ++j) {
       Texel t;
       for (std::size_t k = 0; k < 4; ++k)
-        t[k] = packNormal(interfaceNormal(*geometry_, *fields_, vertex[k], candidates[i].column,
+        t[k] = packNormal(interfaceNormal(*geometry_, smoothed, vertex[k], candidates[i].column,
                                           candidates[j].column));
       out.texels.push_back(t);
     }
@@ -384,7 +374,8 @@ void VolumeRecords::store(const Made& made, const Chunk& from) {
 }
 
 // @param all  every tet there is: records are laid out afresh
-void VolumeRecords::rebuild(const std::vector<std::int32_t>& tets, bool all) {
+void VolumeRecords::rebuild(const std::vector<std::int32_t>& tets,
+                            const SmoothedFields& smoothed, bool all) {
   const auto count = static_cast<std::int64_t>(tets.size());
   const std::int64_t chunkCount = (count + kChunkTets - 1) / kChunkTets;
   std::vector<Chunk> chunks(static_cast<std::size_t>(chunkCount));
@@ -393,7 +384,7 @@ void VolumeRecords::rebuild(const std::vector<std::int32_t>& tets, bool all) {
       [&](std::int64_t c) {
         const std::int64_t end = std::min(count, (c + 1) * kChunkTets);
         for (std::int64_t i = c * kChunkTets; i < end; ++i)
-          make(tets[static_cast<std::size_t>(i)], chunks[static_cast<std::size_t>(c)]);
+          make(tets[static_cast<std::size_t>(i)], smoothed, chunks[static_cast<std::size_t>(c)]);
       },
       1);
   if (all) {

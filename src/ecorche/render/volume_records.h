@@ -47,7 +47,8 @@ class VolumeRecords {
     Eigen::Matrix4f worldToClip = Eigen::Matrix4f::Identity();
   };
 
-  void update(const VolumeItem& item, const VolumeLayer& layer,
+  /// @param smoothed  of the item's fields, in step with them
+  void update(const VolumeItem& item, const SmoothedFields& smoothed, const VolumeLayer& layer,
               const std::optional<ClipPlane>& clip);
 
   [[nodiscard]] const mesh::Vector3& origin() const { return origin_; }
@@ -108,8 +109,8 @@ class VolumeRecords {
   [[nodiscard]] bool isCut(std::int32_t tet) const;
   void updateOwners(const std::vector<std::int32_t>* vertices);
   [[nodiscard]] std::vector<std::int32_t> updateClip(const std::optional<ClipPlane>& clip);
-  void rebuild(const std::vector<std::int32_t>& tets, bool all);
-  void make(std::int32_t tet, Chunk& out) const;
+  void rebuild(const std::vector<std::int32_t>& tets, const SmoothedFields& smoothed, bool all);
+  void make(std::int32_t tet, const SmoothedFields& smoothed, Chunk& out) const;
   void store(const Made& made, const Chunk& from);
   void remove(std::int32_t tet);
 };

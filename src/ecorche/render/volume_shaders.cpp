@@ -126,7 +126,7 @@ bool surfaceHere(out Surface s) {
   // Fields that are equal all over the tet have no surface of their own
   float size = length(smoothNormal), steep = length(flatNormal);
   if (steep > 0.0) flatNormal /= steep;
-  bool trusted = size > 0.0 && (steep == 0.0 || dot(smoothNormal, flatNormal) >= 0.25 * size);
+  bool trusted = size > 0.0 && (steep == 0.0 || dot(smoothNormal, flatNormal) >= -0.1 * size);
   s.normal = trusted ? smoothNormal / size : steep > 0.0 ? flatNormal : -ray;
   return true;
 }
