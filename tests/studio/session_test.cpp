@@ -159,6 +159,24 @@ TEST_CASE("a draft is seen, and is no step until it is kept") {
   CHECK(session.isSaved());
 }
 
+TEST_CASE("a muscle gets the volume that is asked for, as one step") {
+  test::application();
+  Session session({.tets = 30'000});
+  session.start(arm(), {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  const model::Project before = session.project();
+  REQUIRE(session.setVolume("brachialis", 150e-6));
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(session.volumeOf("brachialis").value() == Approx(150e-6).epsilon(2e-3));
+  CHECK(session.history().stepsDone() == 1);
+  QString told;
+  QObject::connect(&session, &Session::told, [&](Severity, const QString& text) { told = text; });
+  CHECK_FALSE(session.setVolume("brachialis", 1.0));
+  CHECK_THAT(told.toStdString(), Catch::Contains("brachialis") && Catch::Contains("cm³"));
+  session.undo();
+  CHECK(session.project() == before);
+}
+
 TEST_CASE("acts on what is selected") {
   test::application();
   Session session({.tets = 30'000});

@@ -6,6 +6,7 @@
 #include <QLineEdit>
 #include <QListWidget>
 #include <QMessageBox>
+#include <QProcess>
 #include <QPushButton>
 #include <QTreeWidget>
 
@@ -267,6 +268,29 @@ TEST_CASE("what cannot be opened is told, and the window goes on") {
   CHECK(window->openProject(QString::fromStdString((temp.path() / "arm.ecorche").string())));
   REQUIRE(hand.settle());
   CHECK(window->session().domain());
+}
+
+TEST_CASE("without OpenGL the window says so, and the rest works") {
+  test::application();
+  test::TempFolder temp;
+  const QString shot = QString::fromStdString((temp.path() / "shot.png").string());
+  QProcess studio;
+  QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
+  environment.insert("QT_XCB_GL_INTEGRATION", "none");
+  studio.setProcessEnvironment(environment);
+  studio.start(QString(ECORCHE_BIN_DIR) + "/ecorche-studio",
+               {"--tets", "20000", "--screenshot", shot,
+                QString(ECORCHE_SOURCE_DIR) + "/examples/arm/arm.ecorche"});
+  REQUIRE(studio.waitForFinished(120'000 * test::kPatience));
+  const std::string said = studio.readAllStandardError().toStdString();
+  INFO(said);
+  CHECK(studio.exitStatus() == QProcess::NormalExit);
+  CHECK(studio.exitCode() == 0);
+  CHECK_THAT(said, Catch::Contains("OpenGL 3.3"));
+  QImage picture(shot);
+  REQUIRE_FALSE(picture.isNull());
+  if (const char* folder = std::getenv("ECORCHE_SHOTS"))
+    CHECK(picture.save(QString(folder) + "/30-no-opengl.png"));
 }
 
 TEST_CASE("a stroke that ends beside the bones draws nothing and says so") {

@@ -1,5 +1,6 @@
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/target_volume.h>
 #include <ecorche/tissue/value_fields.h>
 
 #include <algorithm>
@@ -144,4 +145,57 @@ TEST_CASE("a cancelled touch changes nothing") {
   REQUIRE_FALSE(failed);
   CHECK(failed.error().code == ErrorCode::Cancelled);
   CHECK(edited.fields().values == before);
+}
+
+TEST_CASE("one tissue's volume is that of all tissues' volumes") {
+  const auto domain =
+      std::make_shared<const domain::Domain>(test::cylinderDomain(1.0, 2.0, 10, 15));
+  for (const double fat : {0.0, 0.3}) {
+    RunContext run;
+    const TissueOptions options{.fat = fat};
+    const auto list = tissues();
+    const auto cores = traceCurves(*domain, list, options, run).value();
+    const auto fields = solveTissueFields(*domain, cores, list, options, run).value();
+    const auto all = tissueVolumes(domain->mesh, fields);
+    const auto owner = vertexOwners(fields);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CHECK(tissueVolume(domain->mesh, fields, owner, TissueId(static_cast<std::int64_t>(i) + 1)) ==
+            Approx(all[i]).epsilon(1e-12).margin(1e-15));
+    }
+  }
+}
+
+TEST_CASE("a tissue gets the volume that is asked for, or a sentence says what it can have") {
+  const auto domain =
+      std::make_shared<const domain::Domain>(test::cylinderDomain(1.0, 2.0, 10, 15));
+  RunContext run;
+  const auto list = tissues();
+  const auto solver = std::make_shared<const TissueSolver>(
+      std::move(TissueSolver::create(*domain, run).value()));
+  const auto cores = traceCurves(*domain, list, {}, run).value();
+  auto fields = ValueFields::create(domain, solver, cores, list, {}, run).value();
+  for (const std::size_t tissue : {0u, 1u, 4u}) {
+    const FieldMatrix before = fields.fields().values;
+    const double now = volumeOf(fields, tissue);
+    for (const double factor : {0.5, 1.0, 1.4}) {
+      const auto values = valuesForVolume(fields, tissue, factor * now, run);
+      REQUIRE(values);
+      CHECK((fields.fields().values - before).cwiseAbs().maxCoeff() < 1e-12);
+      REQUIRE(fields.setValues(tissue, *values, run));
+      CHECK(volumeOf(fields, tissue) == Approx(factor * now).epsilon(1e-3));
+      // One factor for all points
+      const double scale = (*values)[0][0] / list[tissue].curves[0].values[0];
+      for (std::size_t c = 0; c < values->size(); ++c) {
+        for (std::size_t p = 0; p < (*values)[c].size(); ++p)
+          CHECK((*values)[c][p] == Approx(scale * list[tissue].curves[c].values[p]));
+      }
+      std::vector<std::vector<double>> back;
+      for (const TissueCurve& curve : list[tissue].curves) back.push_back(curve.values);
+      REQUIRE(fields.setValues(tissue, back, run));
+    }
+    const auto tooMuch = valuesForVolume(fields, tissue, 2.0 * domain->volume, run);
+    REQUIRE_FALSE(tooMuch);
+    CHECK(tooMuch.error().code == ErrorCode::ValueOutOfRange);
+    CHECK_THAT(tooMuch.error().message, Catch::Contains(list[tissue].name));
+  }
 }

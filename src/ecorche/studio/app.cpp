@@ -4,6 +4,7 @@
 
 #include <QApplication>
 #include <QCommandLineParser>
+#include <QScreen>
 #include <QSettings>
 #include <QSurfaceFormat>
 #include <QTimer>
@@ -31,6 +32,12 @@ int run(int argc, char** argv) {
   const QCommandLineOption scale("scale", QObject::tr("Size of texts and buttons, 1 is usual"),
                                  "FACTOR");
   const QCommandLineOption tets("tets", QObject::tr("How many tets the view is made of"), "N");
+  const QCommandLineOption shot(
+      "screenshot", QObject::tr("Save a picture of the window once all is there, and quit"),
+      "FILE");
+  const QCommandLineOption choose("select", QObject::tr("Begin with this muscle selected"), "NAME");
+  parser.addOption(shot);
+  parser.addOption(choose);
   parser.addOption(scale);
   parser.addOption(tets);
   parser.addPositionalArgument("FILES", QObject::tr("A project, or meshes for a new one"),
@@ -59,8 +66,31 @@ int run(int argc, char** argv) {
   }
   applyTheme(app, static_cast<Theme>(QSettings().value("theme", 0).toInt()));
   MainWindow window(options);
+  // A terminal that the window was started from is told the same
+  QObject::connect(&window.session(), &Session::told, [](Severity severity, const QString& text) {
+    if (severity == Severity::Error) fprintf(stderr, "ecorche-studio: %s\n", qPrintable(text));
+  });
   window.show();
   QTimer::singleShot(0, &window, [&] { window.openFiles(parser.positionalArguments()); });
+  if (parser.isSet(choose)) {
+    const std::string name = parser.value(choose).toStdString();
+    QObject::connect(&window.session(), &Session::liveChanged, &window, [&window, name] {
+      if (window.session().tissues()) window.session().select({name, -1, -1, {}});
+    });
+  }
+  QTimer poll;
+  if (parser.isSet(shot)) {
+    // Twice quiet: what was asked for at the first may have asked for more
+    QObject::connect(&poll, &QTimer::timeout, &window, [&, quiet = 0]() mutable {
+      quiet = window.isQuiet() ? quiet + 1 : 0;
+      if (quiet < 3) return;
+      const QString file = parser.value(shot);
+      const bool saved = window.screen()->grabWindow(window.winId()).save(file);
+      if (!saved) fprintf(stderr, "ecorche-studio: %s cannot be written\n", qPrintable(file));
+      QApplication::exit(saved ? 0 : 1);
+    });
+    poll.start(300);
+  }
   return QApplication::exec();
 }
 

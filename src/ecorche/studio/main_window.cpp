@@ -28,6 +28,7 @@
 #include <QSettings>
 #include <QStackedWidget>
 #include <QStatusBar>
+#include <QTimer>
 #include <QToolBar>
 #include <QToolButton>
 
@@ -50,9 +51,27 @@ MainWindow::MainWindow(engine::LiveOptions options) : session_(std::make_unique<
 
   pages_ = new QStackedWidget(this);
   start_ = new StartPage(pages_);
-  view_ = new Viewport(*session_, pages_);
+  noPicture_ = Viewport::troubleOfMachine();
   pages_->addWidget(start_);
-  pages_->addWidget(view_);
+  if (noPicture_.isEmpty()) {
+    view_ = new Viewport(*session_, pages_);
+    pages_->addWidget(view_);
+  } else {
+    // In no window: Qt draws all of one that holds a view through OpenGL, and crashes where it
+    // cannot
+    unshown_ = std::make_unique<Viewport>(*session_);
+    view_ = unshown_.get();
+  }
+  instead_ =
+      new QLabel(tr("There is no picture: %1.\n\nProjects can be opened, edited by the panels, "
+                    "built and saved all the same.")
+                     .arg(noPicture_),
+                 pages_);
+  instead_->setObjectName("noPicture");
+  instead_->setAlignment(Qt::AlignCenter);
+  instead_->setWordWrap(true);
+  instead_->setMargin(60);
+  pages_->addWidget(instead_);
   setCentralWidget(pages_);
   start_->setRecent(settings.value("recent").toStringList());
   connect(start_, &StartPage::newAsked, this, [this] { newProject(); });
@@ -86,6 +105,11 @@ MainWindow::MainWindow(engine::LiveOptions options) : session_(std::make_unique<
   connect(view_, &Viewport::troubled, this, [this](const QString& why) {
     session_->tell(Severity::Error, tr("There is no picture: %1").arg(why));
   });
+  if (!noPicture_.isEmpty()) {
+    QTimer::singleShot(0, this, [this] {
+      session_->tell(Severity::Error, tr("There is no picture: %1").arg(noPicture_));
+    });
+  }
   refresh();
 }
 
@@ -188,7 +212,8 @@ void MainWindow::mirrorSelected() {
 
 void MainWindow::refresh() {
   const bool open = session_->isOpen();
-  pages_->setCurrentWidget(open ? static_cast<QWidget*>(view_) : start_);
+  QWidget* const view = noPicture_.isEmpty() ? static_cast<QWidget*>(view_) : instead_;
+  pages_->setCurrentWidget(open ? view : start_);
   for (QDockWidget* dock : docks_) {
     if (!open) dock->hide();
   }
@@ -379,6 +404,11 @@ void MainWindow::chooseNavigation(NavigationPreset preset) {
   navigation_ = preset;
   view_->setNavigation(preset);
   QSettings().setValue("navigation", static_cast<int>(preset));
+}
+
+bool MainWindow::isQuiet() const {
+  if (background_.isBusy() || !session_->isSettled()) return false;
+  return pages_->currentWidget() != view_ || view_->isFinished();
 }
 
 bool MainWindow::mayLeave() {

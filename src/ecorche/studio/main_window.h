@@ -43,6 +43,8 @@ class MainWindow : public QMainWindow {
   bool saveTo(const QString& file);
   /// Every key of the window with what it does.
   [[nodiscard]] QAction* act(const QString& name) const;
+  /// Everything asked for has been computed and drawn.
+  [[nodiscard]] bool isQuiet() const;
 
  public slots:
   void newProject(const QStringList& files = {});
@@ -61,6 +63,9 @@ class MainWindow : public QMainWindow {
   QStackedWidget* pages_ = nullptr;
   StartPage* start_ = nullptr;
   Viewport* view_ = nullptr;
+  std::unique_ptr<Viewport> unshown_;  // the view where it cannot be shown
+  QString noPicture_;                  // why the view cannot be shown; empty: it can
+  QLabel* instead_ = nullptr;
   std::unique_ptr<SelectTool> selectTool_;
   std::unique_ptr<DrawTool> drawTool_;
   std::unique_ptr<ClickTool> clickTool_;

@@ -88,6 +88,18 @@ void MusclePanel::makeValueRows(QFormLayout& form) {
     thicknessSlider_->setValue(0);
   });
 
+  volume_ = new QDoubleSpinBox(form_);
+  volume_->setObjectName("volume");
+  volume_->setRange(0.001, 1e7);
+  volume_->setDecimals(1);
+  volume_->setSuffix(tr(" cm³"));
+  volume_->setKeyboardTracking(false);
+  volume_->setToolTip(tr("Scales all values until the muscle has this volume"));
+  form.addRow(tr("Volume"), volume_);
+  connect(volume_, &QDoubleSpinBox::valueChanged, this, [this](double cm3) {
+    if (!filling_ && !session_.setVolume(session_.selection().tissue, 1e-6 * cm3)) fill();
+  });
+
   valueOf_ = new QLabel(tr("Tissue value"), form_);
   auto* row = new QWidget(form_);
   auto* both = new QHBoxLayout(row);
@@ -247,6 +259,10 @@ void MusclePanel::fill() {
         << tr("%1 → %2, %3 points").arg(end(curve.start), end(curve.end)).arg(curve.points.size());
   }
   facts_->setText(facts.join("\n"));
+
+  const auto volume = session_.volumeOf(tissue->name);
+  volume_->setEnabled(volume.has_value());
+  if (!volume_->hasFocus() || !volume) volume_->setValue(1e6 * volume.value_or(0.0));
 
   const Selection& s = session_.selection();
   double sum = 0.0;

@@ -31,6 +31,7 @@ class MusclePanel : public QWidget {
   QLabel* facts_;
   QWidget* form_;
   QSlider* thicknessSlider_;
+  QDoubleSpinBox* volume_;
   QSlider* valueSlider_;
   QDoubleSpinBox* value_;
   QLabel* valueOf_;

@@ -47,16 +47,14 @@ render::PointItem balls(std::vector<Vector3> points, const Rgba& colour, float r
 
 }  // namespace
 
-void SceneBuilder::takeMeshes(const std::shared_ptr<const engine::LiveMeshes>& meshes) {
-  if (meshes == meshesSeen_) return;
-  meshesSeen_ = meshes;
-  skin_.reset();
-  bones_.clear();
-  if (!meshes) return;
-  // Shared with the session's own copy, which lives as long
-  skin_ = std::shared_ptr<const mesh::SurfaceMesh>(meshes, &meshes->meshes.skin);
-  for (const auto& bone : meshes->meshes.bones)
-    bones_.push_back(std::shared_ptr<const mesh::SurfaceMesh>(meshes, &bone));
+void SceneBuilder::takeMeshes(const Input& input) {
+  if (input.meshes == meshesSeen_ && input.domain == domainSeen_ &&
+      input.project.cutPlanes == planesSeen_)
+    return;
+  meshesSeen_ = input.meshes;
+  domainSeen_ = input.domain;
+  planesSeen_ = input.project.cutPlanes;
+  kept_ = input.meshes ? keptSurfaces(input.meshes, planesSeen_, input.domain) : KeptSurfaces{};
 }
 
 const std::vector<Rgba>& SceneBuilder::tissueColours(
@@ -175,18 +173,20 @@ void SceneBuilder::addCurves(const Input& input, const SceneColours& colours,
 }
 
 render::Scene SceneBuilder::build(const Input& input, const SceneColours& colours) {
-  takeMeshes(input.meshes);
+  takeMeshes(input);
   render::Scene scene;
   scene.background = colours.background;
   scene.clip = input.display.clip;
-  if (skin_ && input.display.skin && input.display.skinOpacity > 0.0 && skin_->F.rows() > 0) {
-    render::SurfaceItem item = render::surfaceItem(render::Material::Skin, skin_);
+  const auto& skin = kept_.skin;
+  if (skin && input.display.skin && input.display.skinOpacity > 0.0 && skin->F.rows() > 0) {
+    render::SurfaceItem item = render::surfaceItem(render::Material::Skin, skin);
+    if (kept_.resampled) item.normalSmoothing = std::max(item.normalSmoothing, 3);
     const auto share = static_cast<float>(input.display.skinOpacity / 0.35);
     item.colour[3] = std::min(0.98f, item.colour[3] * share);
     if (item.edgeOpacity) item.edgeOpacity = std::min(0.98f, *item.edgeOpacity * share);
     scene.surfaces.push_back(std::move(item));
   }
-  for (const auto& bone : bones_) {
+  for (const auto& bone : kept_.bones) {
     if (!input.display.showsBone(bone->name) || bone->F.rows() == 0) continue;
     render::SurfaceItem item = render::surfaceItem(render::Material::Bone, bone);
     item.name = bone->name;

@@ -3,6 +3,7 @@
 #include <ecorche/engine/live_engine.h>
 #include <ecorche/render/scene.h>
 #include <ecorche/studio/display.h>
+#include <ecorche/studio/kept_surfaces.h>
 #include <ecorche/studio/session.h>
 
 #include <map>
@@ -34,6 +35,7 @@ class SceneBuilder {
   struct Input {
     const model::Project& project;
     std::shared_ptr<const engine::LiveMeshes> meshes;    ///< may be null
+    std::shared_ptr<const domain::DomainBuild> domain;   ///< may be null
     std::shared_ptr<const engine::LiveTissues> tissues;  ///< may be null
     Session::FieldEdits edits;                           ///< of the tissues' fields
     const Display& display;
@@ -50,9 +52,11 @@ class SceneBuilder {
       render::Palette palette);
 
  private:
+  // Of what the surfaces at hand are
   std::shared_ptr<const engine::LiveMeshes> meshesSeen_;
-  std::shared_ptr<const mesh::SurfaceMesh> skin_;
-  std::vector<std::shared_ptr<const mesh::SurfaceMesh>> bones_;
+  std::shared_ptr<const domain::DomainBuild> domainSeen_;
+  std::vector<model::CutPlane> planesSeen_;
+  KeptSurfaces kept_;
 
   // What colours were last chosen for
   std::shared_ptr<const engine::LiveTissues> colouredFor_;
@@ -61,7 +65,7 @@ class SceneBuilder {
   render::Palette colouredPalette_ = render::Palette::Anatomical;
   std::vector<render::Rgba> colours_;
 
-  void takeMeshes(const std::shared_ptr<const engine::LiveMeshes>& meshes);
+  void takeMeshes(const Input& input);
   void addVolume(const Input& input, render::Scene& scene);
   static void addCurves(const Input& input, const SceneColours& colours, render::Scene& scene);
 };

@@ -3,6 +3,7 @@
 #include <ecorche/model/project_file.h>
 #include <ecorche/studio/session.h>
 #include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/target_volume.h>
 
 #include <QMetaObject>
 #include <QPointer>
@@ -178,6 +179,28 @@ std::optional<double> Session::volumeOf(const std::string& tissue) const {
       return volumes_[i + 1];
   }
   return std::nullopt;
+}
+
+bool Session::setVolume(const std::string& tissue, double volume) {
+  const auto place = model::findTissue(project(), tissue);
+  if (!tissues_ || !place || !(volume > 0.0)) return false;
+  const auto places = engine::liveTissuePlaces(project());
+  for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
+    if (tissues_->slotOf[i] >= places.size() || places[tissues_->slotOf[i]] != *place) continue;
+    RunContext run;
+    const auto values = tissue::valuesForVolume(*tissues_->fields, i, volume, run);
+    if (!values) {
+      tell(Severity::Warning, QString::fromStdString(values.error().message));
+      return false;
+    }
+    std::vector<model::Command> commands;
+    for (std::size_t c = 0; c < values->size(); ++c) {
+      for (std::size_t p = 0; p < (*values)[c].size(); ++p)
+        commands.push_back(model::SetPointValue{tissue, c, p, (*values)[c][p]});
+    }
+    return perform(commands, tr("Volume of %1").arg(QString::fromStdString(tissue)));
+  }
+  return false;
 }
 
 Session::FieldEdits Session::takeFieldEdits() {

@@ -82,6 +82,9 @@ class Session : public QObject {
   /// [m³]; nothing while it has no body.
   [[nodiscard]] std::optional<double> volumeOf(const std::string& tissue) const;
 
+  /// Scales the muscle's values so that it gets a volume [m³]; what cannot be is told.
+  bool setVolume(const std::string& tissue, double volume);
+
   void tell(Severity severity, const QString& text, std::optional<mesh::Vector3> place = {});
 
  signals:

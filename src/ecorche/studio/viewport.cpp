@@ -3,6 +3,8 @@
 
 #include <QElapsedTimer>
 #include <QMouseEvent>
+#include <QOffscreenSurface>
+#include <QOpenGLContext>
 #include <QOpenGLFramebufferObject>
 #include <QPainter>
 #include <QTabletEvent>
@@ -21,6 +23,25 @@ constexpr int kFineSamples = 12;
 Eigen::Vector2d pixelOf(const QPointF& p) { return {p.x(), p.y()}; }
 
 }  // namespace
+
+QString Viewport::troubleOfMachine() {
+  QOffscreenSurface surface;
+  surface.setFormat(QSurfaceFormat::defaultFormat());
+  surface.create();
+  QOpenGLContext context;
+  context.setFormat(QSurfaceFormat::defaultFormat());
+  const bool made = context.create() && context.makeCurrent(&surface);
+  const auto version = context.format().version();
+  if (made) context.doneCurrent();
+  if (made && version >= qMakePair(3, 3)) return {};
+  return made
+             ? tr("pictures need OpenGL 3.3 and this machine has %1.%2; a newer driver, or Mesa's "
+                  "software renderer (LIBGL_ALWAYS_SOFTWARE=1), has it")
+                   .arg(version.first)
+                   .arg(version.second)
+             : tr("pictures need OpenGL 3.3 and this machine has none; install a driver, or Mesa's "
+                  "software renderer (libgl1-mesa-dri)");
+}
 
 Viewport::Viewport(Session& session, QWidget* parent) : QOpenGLWidget(parent), session_(session) {
   setObjectName("viewport");
@@ -41,13 +62,14 @@ Viewport::Viewport(Session& session, QWidget* parent) : QOpenGLWidget(parent), s
   connect(&session_, &Session::displayChanged, this, &Viewport::redraw);
   connect(&session_, &Session::fieldsChanged, this, &Viewport::redraw);
   connect(&session_, &Session::liveChanged, this, [this] {
-    if (!session_.meshes()) framed_ = false;
+    if (!session_.meshes()) framed_ = 0;
     frameWhenFirstSeen();
     redraw();
   });
 }
 
 Viewport::~Viewport() {
+  if (!isValid()) return;
   makeCurrent();
   renderer_.reset();
   doneCurrent();
@@ -91,8 +113,10 @@ mesh::Box Viewport::shownBox() const {
 }
 
 void Viewport::frameWhenFirstSeen() {
-  if (framed_ || !session_.meshes()) return;
-  framed_ = true;
+  // Once for the meshes, and once more for what cut planes leave of them, unless a hand was quicker
+  const int wanted = session_.domain() ? 2 : session_.meshes() ? 1 : 0;
+  if (framed_ >= wanted) return;
+  framed_ = wanted;
   camera_.setAxes(render::guessedAxes(mesh::boundingBox(session_.meshes()->meshes.skin)));
   camera_.lookFrom(40.0, 12.0);
   camera_.frame(shownBox());
@@ -152,6 +176,7 @@ void Viewport::resizeGL(int, int) {
 void Viewport::begin(bool quick) {
   SceneBuilder::Input input{session_.project(),
                             session_.meshes(),
+                            session_.domain(),
                             session_.tissues(),
                             session_.takeFieldEdits(),
                             session_.display(),
@@ -213,6 +238,7 @@ Touch Viewport::touchOf(const QMouseEvent& event) {
 }
 
 void Viewport::navigate(const Eigen::Vector2d& pixel) {
+  framed_ = 2;
   const Eigen::Vector2d by = pixel - last_;
   switch (*navigating_) {
     case NavigationAct::Turn:

@@ -25,6 +25,10 @@ class Viewport : public QOpenGLWidget {
   explicit Viewport(Session& session, QWidget* parent = nullptr);
   ~Viewport() override;
 
+  /// Why this machine can show no picture; empty where it can. Asked before the first view is
+  /// shown.
+  [[nodiscard]] static QString troubleOfMachine();
+
   [[nodiscard]] Tool::View toolView() { return {session_, camera_}; }
   void setTool(Tool* tool);  ///< not owned
   [[nodiscard]] const OrbitCamera& eye() const { return camera_; }
@@ -78,7 +82,7 @@ class Viewport : public QOpenGLWidget {
   bool dirty_ = true;
   bool finished_ = false;
   bool quickPicture_ = true;
-  bool framed_ = false;
+  int framed_ = 0;  // for: 1 meshes, 2 their domain
   double lastFrameMs_ = 0.0;
   QTimer rest_;  // nothing has moved for a moment
 

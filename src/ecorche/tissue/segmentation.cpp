@@ -1,3 +1,4 @@
+#include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/segmentation.h>
 
@@ -73,6 +74,62 @@ void keepPositive(const SubTet& tet, const Eigen::Vector4d& g, std::vector<SubTe
   }
 }
 
+// Shares of one tet after another, exact for linear fields. A field nowhere above another has no
+// volume; on skin all muscles are 0, so equal corners are common. Fields equal all over are left to
+// the tie rule.
+class TetShares {
+ public:
+  explicit TetShares(const TissueFields& fields)
+      : fields_(fields), first_(fields.fatIsCandidate ? 0 : 1), f_(fields.values.cols(), 4) {}
+
+  void look(const mesh::TetMesh& mesh, Eigen::Index t) {
+    for (int k = 0; k < 4; ++k) f_.col(k) = fields_.values.row(mesh.T(t, k)).transpose();
+    candidates_.clear();
+    for (Eigen::Index i = first_; i < f_.rows(); ++i) {
+      if (!isBeaten(i)) candidates_.push_back(i);
+    }
+  }
+  [[nodiscard]] const std::vector<Eigen::Index>& candidates() const { return candidates_; }
+  [[nodiscard]] bool isBeaten(Eigen::Index i) const {
+    for (Eigen::Index o = first_; o < f_.rows(); ++o) {
+      if ((f_.row(i).array() <= f_.row(o).array()).all() &&
+          (f_.row(i).array() < f_.row(o).array()).any())
+        return true;
+    }
+    return false;
+  }
+  [[nodiscard]] double shareOf(Eigen::Index i) {
+    pieces_.assign(1, SubTet{Eigen::Vector4d::Unit(0), Eigen::Vector4d::Unit(1),
+                             Eigen::Vector4d::Unit(2), Eigen::Vector4d::Unit(3)});
+    for (const Eigen::Index j : candidates_) {
+      if (j == i) continue;
+      const Eigen::Vector4d g = (f_.row(i) - f_.row(j)).transpose();
+      kept_.clear();
+      if (g.isZero(0.0)) {  // equal all over the tet: the tie rule gives it to one of them
+        if (i > 0 && (j == 0 || i < j)) continue;
+      } else {
+        for (const SubTet& piece : pieces_) keepPositive(piece, g, kept_);
+        // Slices of no volume would be sliced again by every field that follows
+        std::erase_if(kept_, [](const SubTet& piece) { return volumeShare(piece) < kNothing; });
+      }
+      pieces_.swap(kept_);
+    }
+    double sum = 0.0;
+    for (const SubTet& piece : pieces_) sum += volumeShare(piece);
+    return sum;
+  }
+
+ private:
+  const TissueFields& fields_;
+  Eigen::Index first_;
+  Eigen::MatrixX4d f_;
+  std::vector<Eigen::Index> candidates_;
+  std::vector<SubTet> pieces_;
+  std::vector<SubTet> kept_;
+};
+
+constexpr std::int64_t kPart = 4096;  // tets of a sum: the same bytes on any number of threads
+
 }  // namespace
 
 std::vector<TissueId> vertexOwners(const TissueFields& fields) {
@@ -92,65 +149,72 @@ TissueId ownerAt(const mesh::TetMesh& mesh, const TissueFields& fields, Eigen::I
 
 std::vector<double> tissueVolumes(const mesh::TetMesh& mesh, const TissueFields& fields) {
   const std::vector<TissueId> owner = vertexOwners(fields);
-  const auto fieldCount = static_cast<Eigen::Index>(fields.values.cols());
-  // A fixed number of parts, added up in order: the same bytes on any number of threads
-  constexpr std::int64_t kPart = 4096;
   const std::int64_t parts = (mesh.T.rows() + kPart - 1) / kPart;
-  Eigen::MatrixXd volume = Eigen::MatrixXd::Zero(fieldCount, parts);
+  Eigen::MatrixXd volume = Eigen::MatrixXd::Zero(fields.values.cols(), parts);
   parallelFor(
       parts,
       [&](std::int64_t part) {
-        std::vector<Eigen::Index> candidates;
-        std::vector<SubTet> pieces;
-        std::vector<SubTet> kept;
+        TetShares shares(fields);
         const std::int64_t end = std::min<std::int64_t>(mesh.T.rows(), (part + 1) * kPart);
         for (std::int64_t t = part * kPart; t < end; ++t) {
           const double V = mesh::signedVolume(mesh, t);
-          std::array<TissueId, 4> at;
-          for (int k = 0; k < 4; ++k)
-            at[static_cast<std::size_t>(k)] = owner[static_cast<std::size_t>(mesh.T(t, k))];
-          if (std::ranges::all_of(at, [&](TissueId id) { return id == at[0]; })) {
-            volume(at[0].value - 1, part) += V;
+          const TissueId first = owner[static_cast<std::size_t>(mesh.T(t, 0))];
+          bool one = true;
+          for (int k = 1; k < 4; ++k)
+            one = one && owner[static_cast<std::size_t>(mesh.T(t, k))] == first;
+          if (one) {
+            volume(first.value - 1, part) += V;
             continue;
           }
-          // A field nowhere above another has no volume here; on skin all muscles are 0, so equal
-          // corners are common. Fields equal all over are left to the tie rule below.
-          Eigen::MatrixX4d f(fieldCount, 4);
-          for (int k = 0; k < 4; ++k) f.col(k) = fields.values.row(mesh.T(t, k)).transpose();
-          candidates.clear();
-          const Eigen::Index first = fields.fatIsCandidate ? 0 : 1;
-          for (Eigen::Index i = first; i < fieldCount; ++i) {
-            bool beaten = false;
-            for (Eigen::Index o = first; o < fieldCount && !beaten; ++o) {
-              beaten = (f.row(i).array() <= f.row(o).array()).all() &&
-                       (f.row(i).array() < f.row(o).array()).any();
-            }
-            if (!beaten) candidates.push_back(i);
-          }
-          for (const Eigen::Index i : candidates) {
-            pieces.assign(1, SubTet{Eigen::Vector4d::Unit(0), Eigen::Vector4d::Unit(1),
-                                    Eigen::Vector4d::Unit(2), Eigen::Vector4d::Unit(3)});
-            for (const Eigen::Index j : candidates) {
-              if (j == i) continue;
-              const Eigen::Vector4d g = (f.row(i) - f.row(j)).transpose();
-              kept.clear();
-              if (g.isZero(0.0)) {  // equal all over the tet: the tie rule gives it to one of them
-                if (i > 0 && (j == 0 || i < j)) continue;
-              } else {
-                for (const SubTet& piece : pieces) keepPositive(piece, g, kept);
-                // Slices of no volume would be sliced again by every field that follows
-                std::erase_if(kept,
-                              [](const SubTet& piece) { return volumeShare(piece) < kNothing; });
-              }
-              pieces.swap(kept);
-            }
-            for (const SubTet& piece : pieces) volume(i, part) += V * volumeShare(piece);
-          }
+          shares.look(mesh, t);
+          for (const Eigen::Index i : shares.candidates()) volume(i, part) += V * shares.shareOf(i);
         }
       },
       1);
   const Eigen::VectorXd sum = volume.rowwise().sum();
   return {sum.begin(), sum.end()};
+}
+
+double tissueVolume(const mesh::TetMesh& mesh, const TissueFields& fields,
+                    const std::vector<TissueId>& owner, TissueId tissue) {
+  EC_REQUIRE_EQ(owner.size(), static_cast<std::size_t>(mesh.V.rows()));
+  const Eigen::Index own = tissue.value - 1;
+  if (own == 0 && !fields.fatIsCandidate) return 0.0;
+  const std::int64_t parts = (mesh.T.rows() + kPart - 1) / kPart;
+  std::vector<double> volume(static_cast<std::size_t>(parts), 0.0);
+  parallelFor(
+      parts,
+      [&](std::int64_t part) {
+        TetShares shares(fields);
+        double& sum = volume[static_cast<std::size_t>(part)];
+        const std::int64_t end = std::min<std::int64_t>(mesh.T.rows(), (part + 1) * kPart);
+        for (std::int64_t t = part * kPart; t < end; ++t) {
+          std::array<TissueId, 4> at;
+          for (int k = 0; k < 4; ++k)
+            at[static_cast<std::size_t>(k)] = owner[static_cast<std::size_t>(mesh.T(t, k))];
+          if (at[0] == at[1] && at[0] == at[2] && at[0] == at[3]) {
+            if (at[0] == tissue) sum += mesh::signedVolume(mesh, t);
+            continue;
+          }
+          // Where it is nowhere above what owns a corner it is nowhere on top
+          const bool below = std::ranges::any_of(at, [&](TissueId other) {
+            if (other == tissue) return false;
+            for (int k = 0; k < 4; ++k) {
+              const Eigen::Index v = mesh.T(t, k);
+              if (fields.values(v, own) >= fields.values(v, other.value - 1)) return false;
+            }
+            return true;
+          });
+          if (below) continue;
+          shares.look(mesh, t);
+          if (std::ranges::find(shares.candidates(), own) != shares.candidates().end())
+            sum += mesh::signedVolume(mesh, t) * shares.shareOf(own);
+        }
+      },
+      1);
+  double out = 0.0;
+  for (const double v : volume) out += v;
+  return out;
 }
 
 }  // namespace ecorche::tissue

@@ -34,4 +34,9 @@ template <class Values>
 [[nodiscard]] std::vector<double> tissueVolumes(const mesh::TetMesh& mesh,
                                                 const TissueFields& fields);
 
+/// The same of one tissue alone, in a tenth of the time and less.
+/// @param owner  of every vertex, as vertexOwners gives
+[[nodiscard]] double tissueVolume(const mesh::TetMesh& mesh, const TissueFields& fields,
+                                  const std::vector<TissueId>& owner, TissueId tissue);
+
 }  // namespace ecorche::tissue

@@ -61,6 +61,7 @@ ValueFields& ValueFields::operator=(ValueFields&&) noexcept = default;
 ValueFields::~ValueFields() = default;
 
 const TissueFields& ValueFields::fields() const { return impl_->fields; }
+const domain::Domain& ValueFields::domain() const { return *impl_->domain; }
 const CoreSamples& ValueFields::cores() const { return impl_->cores; }
 const std::vector<CurveTissue>& ValueFields::tissues() const { return impl_->tissues; }
 const std::vector<TissueId>& ValueFields::owners() const { return impl_->owner; }

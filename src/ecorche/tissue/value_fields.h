@@ -33,6 +33,7 @@ class ValueFields {
   ~ValueFields();
 
   [[nodiscard]] const TissueFields& fields() const;
+  [[nodiscard]] const domain::Domain& domain() const;
   [[nodiscard]] const CoreSamples& cores() const;
   [[nodiscard]] const std::vector<CurveTissue>& tissues() const;
   [[nodiscard]] const std::vector<TissueId>& owners() const;  ///< #V
