@@ -15,7 +15,6 @@ namespace ecorche::tissue {
 
 namespace {
 
-constexpr double kSame = 1e-13;  // of the largest value: what rounding does, not an edit
 constexpr std::int64_t kGrain = 8192;
 
 // Fat is field 0, tissue i is field i + 1
@@ -47,6 +46,7 @@ struct ValueFields::Impl {
   std::vector<double> rival;
   std::vector<std::int32_t> rivalField;  // -1: there is none
 
+  Eigen::VectorXd lastTold;   // its values as Changed last told of them
   Eigen::VectorXd corrected;  // of the last edit
 
   [[nodiscard]] Eigen::Index vertexCount() const { return domain->mesh.V.rows(); }
@@ -92,6 +92,7 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
 void ValueFields::Impl::findRivals(Eigen::Index field) {
   if (rivalsOf == field) return;
   rivalsOf = field;
+  lastTold = fields.values.col(field);
   rival.resize(static_cast<std::size_t>(vertexCount()));
   rivalField.resize(rival.size());
   const FieldMatrix& f = fields.values;
@@ -125,13 +126,13 @@ ValueFields::Changed ValueFields::Impl::take(Eigen::Index field) {
       chunks,
       [&](std::int64_t chunk) {
         Changed& part = parts[static_cast<std::size_t>(chunk)];
-        const double same = kSame * fields.maxValue;
+        const double told = kTold * fields.maxValue;
         for (std::int64_t v = chunk * kGrain; v < std::min<std::int64_t>(n, (chunk + 1) * kGrain);
              ++v) {
           double& f = fields.values(v, field);
-          if (std::abs(corrected[v] - f) > same)
-            part.vertices.push_back(static_cast<std::int32_t>(v));
           f = corrected[v];
+          if (std::abs(f - lastTold[v]) > told)
+            part.vertices.push_back(static_cast<std::int32_t>(v));
           const auto k = static_cast<std::size_t>(v);
           const std::int32_t other = rivalField[k];
           bool wins = competes;
@@ -149,6 +150,7 @@ ValueFields::Changed ValueFields::Impl::take(Eigen::Index field) {
               part.vertices.push_back(static_cast<std::int32_t>(v));
           }
         }
+        for (const std::int32_t v : part.vertices) lastTold[v] = corrected[v];
       },
       1);
   Changed out;

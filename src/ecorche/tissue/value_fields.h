@@ -41,9 +41,12 @@ class ValueFields {
 
   /// What an edit changed.
   struct Changed {
-    std::vector<std::int32_t> vertices;  ///< where the field is another one, ascending
-    std::int64_t owners = 0;             ///< at how many of them the owner is
+    /// Where the owner is another one, or the field has gone on by more than kTold since it was
+    /// last told, ascending: what a picture has to take anew.
+    std::vector<std::int32_t> vertices;
+    std::int64_t owners = 0;  ///< at how many of them the owner is another one
   };
+  static constexpr double kTold = 1e-5;  ///< of the largest value
 
   /// Gets a tissue ready, which otherwise its first edit does. Those used longest ago are forgotten
   /// when there are more than kReady.
