@@ -62,3 +62,14 @@ TEST_CASE("info tells what a project holds, as a table and as JSON") {
   CHECK(json.at("tissues").at(2).at("curves").at(0).at("length_m").get<double>() == Approx(0.09));
   CHECK(json.at("missing_files").size() == 6);
 }
+
+TEST_CASE("a preview is refused where there are no fields to draw, with the way out") {
+  test::TempFolder temp;
+  std::filesystem::create_directory(temp.path() / "out");
+  const auto folder = runEcorche("render out -o a.png --preview", temp.path());
+  CHECK(folder.exitCode == 1);
+  CHECK(folder.err.find("render the project instead") != std::string::npos);
+  const auto fibers = runEcorche("render arm.ecorche -o a.png --preview --fibers", temp.path());
+  CHECK(fibers.exitCode == 1);
+  CHECK(fibers.err.find("leave --fibers or --preview away") != std::string::npos);
+}

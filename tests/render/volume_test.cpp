@@ -4,7 +4,10 @@
 #include <ecorche/render/views.h>
 
 #include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <utility>
 
 #include "render/scenes.h"
 #include "render/volumes.h"
@@ -16,6 +19,12 @@ using mesh::Vector3;
 
 namespace {
 
+render::Renderer freshRenderer() {
+  auto renderer = render::Renderer::create();
+  if (!renderer) FAIL(renderer.error().text());
+  return std::move(*renderer);
+}
+
 // One renderer for a whole test: what it holds from the last picture must not show in the next.
 struct Card {
   render::OffscreenContext context;
@@ -24,9 +33,7 @@ struct Card {
   static Card make() {
     auto context = render::OffscreenContext::create();
     if (!context) FAIL(context.error().text());
-    auto renderer = render::Renderer::create();
-    if (!renderer) FAIL(renderer.error().text());
-    return {std::move(*context), std::move(*renderer)};
+    return {std::move(*context), freshRenderer()};
   }
 
   render::TissueImage draw(const render::VolumeItem& item,
@@ -92,4 +99,174 @@ TEST_CASE("the card names the tissues that rays meet: smooth fields on every sha
     checkAgainstRays(card, test::volumeItem(anatomy), seed, 96, 0.995);
   }
   CHECK(shapes >= 3);
+}
+
+namespace {
+
+// Muscles in a box, fine enough that an edit of one is local.
+render::VolumeItem manyMuscles() {
+  const auto domain = test::boxDomain({.cells = {24, 24, 24}, .jitter = 0.2});
+  return test::volumeItem(domain, test::benchFields(domain.mesh.V, 12, 3), true);
+}
+
+// The item with its field of column 5 scaled about a place, and where that changed something.
+render::VolumeItem edited(const render::VolumeItem& before, double radius) {
+  render::VolumeItem after = before;
+  auto values = std::make_shared<tissue::FieldMatrix>(*before.fields);
+  auto changed = std::make_shared<std::vector<std::int32_t>>();
+  const mesh::Positions& V = before.geometry->mesh().V;
+  for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    const double away = (V.row(v).transpose() - Vector3(0.4, 0.5, 0.45)).norm();
+    if (away >= radius) continue;
+    (*values)(v, 5) += 0.4 * (1.0 - away / radius);
+    changed->push_back(static_cast<std::int32_t>(v));
+  }
+  after.fields = values;
+  after.changed = changed;
+  ++after.fieldsRevision;
+  return after;
+}
+
+}  // namespace
+
+TEST_CASE("after an edit the picture is the one that a new renderer draws") {
+  Card card = Card::make();
+  const render::VolumeItem before = manyMuscles();
+  const render::Camera camera = test::cameraOn(before, 30.0, 20.0);
+  card.draw(before, {}, camera, 160, 160);
+  render::VolumeItem item = before;
+  for (const double radius : {0.3, 0.15, 0.5}) {
+    item = edited(item, radius);
+    const auto kept = card.draw(item, {}, camera, 160, 160);
+    render::Renderer used = std::exchange(card.renderer, freshRenderer());
+    const auto anew = card.draw(item, {}, camera, 160, 160);
+    card.renderer = std::move(used);
+    const auto a = render::agreement(kept, anew);
+    CHECK(a.sameTissue == 1.0);
+    CHECK(a.normalP95Deg == 0.0);
+  }
+}
+
+TEST_CASE("an edit sends what changed, a turn of the view sends no content") {
+  Card card = Card::make();
+  const render::VolumeItem before = manyMuscles();
+  const render::Camera camera = test::cameraOn(before, 30.0, 20.0);
+  card.draw(before, {}, camera, 64, 64);
+  const double whole = static_cast<double>(card.renderer.volumeUploads().content);
+  CHECK(whole > 0.0);
+  card.draw(before, {}, test::cameraOn(before, 70.0, -20.0), 64, 64);
+  CHECK(card.renderer.volumeUploads().content == 0);
+
+  double last = 0.0;
+  render::VolumeItem item = before;
+  for (const double radius : {0.08, 0.16, 0.32}) {
+    item = edited(before, radius);
+    item.fieldsRevision = 2;
+    card.draw(item, {}, camera, 64, 64);
+    const auto sent = static_cast<double>(card.renderer.volumeUploads().content);
+    const double share =
+        static_cast<double>(item.changed->size()) / static_cast<double>(before.fields->rows());
+    INFO("radius " << radius << ": " << share << " of vertices, " << sent / whole << " of bytes");
+    CHECK(sent > last);
+    // Normals look two vertices further, so a small edit sends more than its share
+    CHECK(sent < whole * (3.0 * share + 0.06));
+    last = sent;
+    render::VolumeItem again = before;
+    again.fieldsRevision = 1;
+    card.draw(again, {}, camera, 64, 64);
+  }
+}
+
+TEST_CASE("moving the clip plane or hiding a muscle gives the picture that a new renderer draws") {
+  Card card = Card::make();
+  render::VolumeItem item = manyMuscles();
+  const render::Camera camera = test::cameraOn(item, 30.0, 20.0);
+  card.draw(item, {}, camera, 120, 120);
+  const auto check = [&](const std::optional<render::ClipPlane>& clip) {
+    const auto kept = card.draw(item, clip, camera, 120, 120);
+    render::Renderer used = std::exchange(card.renderer, freshRenderer());
+    const auto anew = card.draw(item, clip, camera, 120, 120);
+    card.renderer = std::move(used);
+    CHECK(render::agreement(kept, anew).sameTissue == 1.0);
+    const auto a = render::agreement(kept, render::castImage(camera, 120, 120, item, clip));
+    CHECK(a.sameTissue >= 0.995);
+  };
+  check(render::ClipPlane{{0.3, 0.5, 0.5}, Vector3(1.0, 0.3, 0.2)});
+  check(render::ClipPlane{{0.6, 0.5, 0.5}, Vector3(1.0, 0.3, 0.2)});
+  item.tissues[5].visible = item.tissues[7].visible = false;
+  check(render::ClipPlane{{0.6, 0.5, 0.5}, Vector3(1.0, 0.3, 0.2)});
+  check({});
+}
+
+TEST_CASE("an exploded muscle is drawn whole where it was moved to") {
+  Card card = Card::make();
+  render::VolumeItem item = manyMuscles();
+  for (std::size_t i = 1; i < item.tissues.size(); ++i)
+    item.tissues[i].shift = 0.3 * Vector3(std::sin(2.0 * i), std::cos(2.0 * i), 0.1 * i - 0.6);
+  render::Camera camera = test::cameraOn(item, 30.0, 20.0, 40.0);
+  const auto drawn = card.draw(item, {}, camera, 160, 160);
+  const auto a = render::agreement(drawn, render::castImage(camera, 160, 160, item));
+  INFO(a.sameTissue << ", normals " << a.normalsClose);
+  CHECK(a.sameTissue >= 0.995);
+  CHECK(a.normalsClose >= 0.95);
+}
+
+TEST_CASE("an x-rayed muscle lets the others through and is still seen") {
+  Card card = Card::make();
+  render::VolumeItem item = manyMuscles();
+  const render::Camera camera = test::cameraOn(item, 30.0, 20.0);
+  const auto solid = card.draw(item, {}, camera, 120, 120);
+  // The muscle that covers most of the picture
+  std::vector<int> count(item.tissues.size() + 1, 0);
+  for (const TissueId t : solid.tissue) count[static_cast<std::size_t>(t.value)] += t.value > 1;
+  const auto front = static_cast<std::size_t>(std::ranges::max_element(count) - count.begin()) - 1;
+  const auto picture = [&](const render::VolumeItem& what) {
+    render::Scene scene;
+    scene.volume = what;
+    auto options = test::plainOptions(120, 120);
+    options.motion = true;
+    REQUIRE(card.renderer.begin(scene, camera, options));
+    card.renderer.pass();
+    return card.renderer.read();
+  };
+  render::VolumeItem gone = item;
+  gone.tissues[front].visible = false;
+  render::VolumeItem glass = item;
+  glass.tissues[front].opacity = 0.3f;
+  const auto without = picture(gone);
+  const auto through = picture(glass);
+  const auto seen = card.draw(glass, {}, camera, 120, 120);
+  const auto behind = card.draw(gone, {}, camera, 120, 120);
+  // What is opaque is what is left without it
+  CHECK(render::agreement(seen, behind).sameTissue == 1.0);
+  int tinted = 0, covered = 0;
+  for (std::size_t i = 0; i < solid.tissue.size(); ++i) {
+    if (solid.tissue[i].value != static_cast<std::int32_t>(front) + 1) continue;
+    ++covered;
+    tinted += without.pixels[i] != through.pixels[i] ? 1 : 0;
+  }
+  CHECK(covered > 100);
+  CHECK(tinted > 0.95 * covered);
+}
+
+TEST_CASE("a view in motion is lit like the picture at rest") {
+  Card card = Card::make();
+  const render::VolumeItem item = manyMuscles();
+  const render::Camera camera = test::cameraOn(item, 30.0, 20.0);
+  render::Scene scene;
+  scene.volume = item;
+  const auto mean = [&](bool motion) {
+    auto options = test::plainOptions(120, 120);
+    options.motion = motion;
+    options.samples = 8;
+    REQUIRE(card.renderer.begin(scene, camera, options));
+    int passes = 0;
+    while (card.renderer.pass()) ++passes;
+    CHECK(passes == (motion ? 1 : 8));
+    const render::Image image = card.renderer.read();
+    double sum = 0.0;
+    for (const render::Pixel& p : image.pixels) sum += p[0] + p[1] + p[2];
+    return sum / (3.0 * static_cast<double>(image.pixels.size()));
+  };
+  CHECK(mean(true) == Approx(mean(false)).margin(12.0));
 }

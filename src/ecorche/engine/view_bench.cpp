@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 #include <tuple>
 
@@ -24,12 +25,15 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-FrameTimes timesOf(std::vector<double> seconds) {
+double processorNow() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// @param processor  spent by all threads over all of them
+FrameTimes timesOf(std::vector<double> seconds, double processor) {
   std::ranges::sort(seconds);
   const auto at = [&](double share) {
     return seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1))];
   };
-  return {at(0.5), at(0.95), seconds.back()};
+  return {at(0.5), at(0.95), seconds.back(), processor / static_cast<double>(seconds.size())};
 }
 
 // The curve in the middle of the list, sideways by 1 % of the diagonal: fields there take new
@@ -102,16 +106,19 @@ Result<void> drawPaper(const VolumeItem& item, const ViewBenchOptions& options, 
   auto paper = render::PaperVolume::create(item, options.width, options.height);
   if (!paper) return passOn(paper);
   std::vector<double> seconds;
+  double processor = 0.0;
   for (const auto& [azimuth, elevation] : kSides) {
     const render::Camera camera = cameraFrom(item, options, azimuth, elevation);
     const double begin = now();
+    const double spent = processorNow();
     paper->draw(camera);
     seconds.push_back(now() - begin);
+    processor += processorNow() - spent;
     const auto a = render::agreement(
         paper->read(), render::castImage(camera, options.width, options.height, item));
     out.paperSameTissue = std::min(out.paperSameTissue, a.sameTissue);
   }
-  out.paperFrame = timesOf(seconds).p50;
+  out.paper = timesOf(seconds, processor);
   return {};
 }
 
@@ -151,8 +158,10 @@ Result<ViewCase> measure(const model::Project& project, const Preview& preview,
 
   const auto frames = [&](const Scene& what, bool lit) -> Result<FrameTimes> {
     std::vector<double> seconds;
+    double processor = 0.0;
     for (int i = -1; i < options.frames; ++i) {
       const double from = now();
+      if (i == 0) processor = processorNow();
       const auto camera =
           cameraFrom(*scene.volume, options, 360.0 * i / options.frames, 12.0);
       if (auto ok = renderer->begin(what, camera, how); !ok) return passOn(ok);
@@ -164,7 +173,7 @@ Result<ViewCase> measure(const model::Project& project, const Preview& preview,
       }
       if (i >= 0) seconds.push_back(now() - from);
     }
-    return timesOf(seconds);
+    return timesOf(seconds, processorNow() - processor);
   };
   auto steps = frames(scene, false);
   if (!steps) return passOn(steps);

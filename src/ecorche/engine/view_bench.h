@@ -23,6 +23,7 @@ struct FrameTimes {
   double p50 = 0.0;
   double p95 = 0.0;
   double max = 0.0;
+  double processor = 0.0;  ///< mean over all threads: does not grow when others use the machine
 };
 
 /// One domain, drawn straight from its fields.
@@ -34,7 +35,7 @@ struct ViewCase {
   std::int64_t triangles = 0;  ///< in the last frame
   FrameTimes frame;            ///< bones, muscles, curves, lit: what a window shows in motion
   FrameTimes steps;            ///< muscles alone, without light: what the paper's way is held against
-  double paperFrame = 0.0;     ///< muscles alone the paper's way, the median of three [s]; 0: not drawn
+  FrameTimes paper;            ///< muscles alone the paper's way, three frames; 0: not drawn
   double prepare = 0.0;        ///< geometry, once per domain [s]
   double firstUpload = 0.0;    ///< records of all tets made and sent [s]
   std::uint64_t fullBytes = 0;

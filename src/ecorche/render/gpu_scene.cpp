@@ -265,6 +265,8 @@ void GpuScene::uploadSurfaces(const Scene& scene) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
 
+  veilItems_ = static_cast<std::size_t>(
+      std::count_if(scene.surfaces.begin(), scene.surfaces.end(), isTransparent));
   std::array<std::size_t, 3> end{};
   for (const std::size_t i : order) {
     const SurfaceItem& item = scene.surfaces[i];

@@ -43,6 +43,7 @@ class GpuScene {
   }  ///< of surfaces, lines, points and the volume, world
   [[nodiscard]] const TriangleBatch& opaque() const { return opaque_; }
   [[nodiscard]] const TriangleBatch& veils() const { return veils_; }
+  [[nodiscard]] std::size_t veilItems() const { return veilItems_; }  ///< transparent surfaces
   [[nodiscard]] const InstanceBatch& tubes(bool onTop) const { return tubes_[onTop ? 1 : 0]; }
   [[nodiscard]] const InstanceBatch& balls(bool onTop) const { return balls_[onTop ? 1 : 0]; }
   /// Colour; roughness, edge opacity (-1: none), outward only: two texels per item.
@@ -69,6 +70,7 @@ class GpuScene {
   mesh::Box box_;
   TriangleBatch opaque_;
   TriangleBatch veils_;
+  std::size_t veilItems_ = 0;
   InstanceBatch tubes_[2];
   InstanceBatch balls_[2];
   gl::Buffer materialData_;

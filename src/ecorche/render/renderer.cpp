@@ -12,7 +12,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace ecorche::render {
 namespace {
@@ -23,7 +25,7 @@ constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a 
 constexpr double kReachRel = 0.02;  // how far things darken each other in a view in motion
 
 struct Programs {
-  gl::Program volume, volumeSurface, volumeVeil;
+  gl::Program volume, volumeSurface, volumeSurfaceOnly, volumeDepth, volumeVeil;
   gl::Program mesh, shadow, tube, tubeOnTop, ball, ballOnTop, shade, veil, copy, resolve;
   gl::Program open, motion, smooth;
 
@@ -40,7 +42,12 @@ struct Programs {
     if (ok) ok = make(p.volume, "volume", glsl::volumeVertex(), glsl::volumeFragment());
     if (ok)
       ok = make(p.volumeSurface, "volume surface", glsl::screenVertex(),
-                glsl::volumeSurfaceFragment());
+                glsl::volumeSurfaceFragment(true));
+    if (ok)
+      ok = make(p.volumeSurfaceOnly, "volume surface without depth", glsl::screenVertex(),
+                glsl::volumeSurfaceFragment(false));
+    if (ok)
+      ok = make(p.volumeDepth, "volume depth", glsl::screenVertex(), glsl::volumeDepthFragment());
     if (ok) ok = make(p.volumeVeil, "volume veil", glsl::screenVertex(), glsl::volumeVeilFragment());
     if (ok) ok = make(p.mesh, "mesh", glsl::meshVertex(), glsl::meshFragment());
     if (ok) ok = make(p.shadow, "shadow", glsl::shadowVertex(), glsl::shadowFragment());
@@ -71,6 +78,7 @@ struct Targets {
   gl::Texture found, foundDepth;  // records of the volume, and the faces they were entered by
   gl::Texture open;                // openness at half the size, for views in motion
   gl::Framebuffer steps, openness, smoothed;
+  gl::Framebuffer stepsSeen, litWhereSeen;  // with foundDepth as the depth that is asked
   gl::Framebuffer seen, lit, layer[2], veils, total;
 
   static Result<Targets> make(int width, int height) {
@@ -100,6 +108,8 @@ struct Targets {
     Result<void> ok;
     if (ok) ok = frame(t.steps, {&t.found}, &t.foundDepth);
     t.open = gl::makeTexture2D(GL_RG32F, (width + 1) / 2, (height + 1) / 2);
+    if (ok) ok = frame(t.stepsSeen, {&t.colour, &t.normal}, &t.foundDepth);
+    if (ok) ok = frame(t.litWhereSeen, {&t.light}, &t.foundDepth);
     if (ok) ok = frame(t.openness, {&t.open}, nullptr);
     if (ok) ok = frame(t.smoothed, {&t.veilLight}, nullptr);
     if (ok) ok = frame(t.seen, {&t.colour, &t.normal}, &t.depth);
@@ -143,6 +153,7 @@ struct Renderer::Impl {
   gl::Buffer volumeCasterData = gl::Buffer::make();
   GLsizei volumeCasterCount = 0;
   bool showsVolume = false;
+  std::array<int, 4> window{};  // what screen passes of a view in motion are kept to
   int shadowSize = 0;
   int shadowLayers = 0;
 
@@ -184,7 +195,9 @@ struct Renderer::Impl {
   void setClip(const gl::Program& p) const;
   void setVolume(const gl::Program& p, const GpuVolumeLayer& layer) const;
   std::vector<Eigen::Vector3f> casterCorners();
-  void drawScreen() const;
+  void drawScreen(int divisor = 1) const;
+  void drawScreenWhereSeen(const gl::Program& p) const;
+  std::array<int, 4> boxOnScreen() const;
   void drawOpaque(GLsizei count) const;
   void drawTubes(const gl::Program& p, bool onTop) const;
   void drawBalls(const gl::Program& p, bool onTop) const;
@@ -222,6 +235,7 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
   if (o.motion) {
     rig = {.passes = 1, .keyPerPass = 1, .rimPerPass = 1, .skyPerPass = 0, .exposure = o.exposure};
     passesPerLights = 1;
+    window = boxOnScreen();
   } else {
     fitLights();
   }
@@ -353,9 +367,55 @@ void Renderer::Impl::setClip(const gl::Program& p) const {
   p.set("uClip", plane, 4);
 }
 
-void Renderer::Impl::drawScreen() const {
+// @param divisor  of the picture's size that the target has
+void Renderer::Impl::drawScreen(int divisor) const {
+  // In motion only where the scene may be: without a graphics card that is half the time
+  if (options.motion) {
+    const int x = window[0] / divisor;
+    const int y = window[1] / divisor;
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(x, y, window[2] / divisor - x + 1, window[3] / divisor - y + 1);
+  }
   glBindVertexArray(noVertices.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_SCISSOR_TEST);
+}
+
+// Only where the bound framebuffer's depth is less than empty.
+void Renderer::Impl::drawScreenWhereSeen(const gl::Program& p) const {
+  p.set("uDepth", 0.999999f);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_FALSE);
+  drawScreen();
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+}
+
+// Pixels that the scene's box covers, from the lower left: x and y of its first and last.
+std::array<int, 4> Renderer::Impl::boxOnScreen() const {
+  const std::array<int, 4> all{0, 0, options.width - 1, options.height - 1};
+  const Eigen::Matrix4d m =
+      viewProjection(camera, options.width, options.height, scene.box(), scene.origin());
+  Eigen::Array2d lo = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array2d hi = -lo;
+  const mesh::Box& box = scene.box();
+  if (box.empty()) return all;
+  for (int k = 0; k < 8; ++k) {
+    const Vector3 p((k & 1) ? box.hi.x() : box.lo.x(), (k & 2) ? box.hi.y() : box.lo.y(),
+                    (k & 4) ? box.hi.z() : box.lo.z());
+    const Eigen::Vector4d c = m * (p - scene.origin()).homogeneous();
+    if (!(c.w() > 1e-9)) return all;
+    lo = lo.min(c.head<2>().array() / c.w());
+    hi = hi.max(c.head<2>().array() / c.w());
+  }
+  // Balls and tubes reach over by their radius
+  constexpr double kMargin = 24.0;
+  const Eigen::Array2d size(options.width, options.height);
+  lo = ((0.5 * lo + 0.5) * size - kMargin).max(0.0).min(size - 1.0);
+  hi = ((0.5 * hi + 0.5) * size + kMargin).max(0.0).min(size - 1.0);
+  return {static_cast<int>(lo.x()), static_cast<int>(lo.y()), static_cast<int>(hi.x()),
+          static_cast<int>(hi.y())};
 }
 
 // The first `count` indices. Backs of closed surfaces are hidden, from lamps too, and half of all
@@ -481,15 +541,32 @@ void Renderer::Impl::findSteps(const GpuVolumeLayer& layer) {
 
 void Renderer::Impl::drawVolume() {
   if (!showsVolume) return;
-  for (const auto& layer : volume->layers()) {
-    if (layer->layer.veil || layer->cornerCount == 0) continue;
-    findSteps(*layer);
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.seen.id());
-    const gl::Program& p = programs.volumeSurface;
+  std::vector<const GpuVolumeLayer*> opaque;
+  for (const auto& layer : volume->layers())
+    if (!layer->layer.veil && layer->cornerCount > 0) opaque.push_back(layer.get());
+  const auto setFound = [&](const gl::Program& p, const GpuVolumeLayer& layer) {
     p.use();
-    setVolume(p, *layer);
+    setVolume(p, layer);
     p.setTexture("uFound", 1, GL_TEXTURE_2D, targets.found);
     p.setTexture("uTissues", 2, GL_TEXTURE_BUFFER, volume->tissues());
+  };
+  if (opaque.size() == 1) {
+    // Looking records up only where something was found: a depth test answers that for whole blocks
+    findSteps(*opaque[0]);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.stepsSeen.id());
+    setFound(programs.volumeSurfaceOnly, *opaque[0]);
+    drawScreenWhereSeen(programs.volumeSurfaceOnly);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.seen.id());
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    setFound(programs.volumeDepth, *opaque[0]);
+    drawScreen();
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    return;
+  }
+  for (const GpuVolumeLayer* layer : opaque) {
+    findSteps(*layer);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.seen.id());
+    setFound(programs.volumeSurface, *layer);
     drawScreen();
   }
 }
@@ -577,10 +654,17 @@ void Renderer::Impl::shadeInMotion() {
   glUniform2i(o.location("uSize2"), options.width, options.height);
   o.setTexture("uNormalMap", 0, GL_TEXTURE_2D, targets.normal);
   o.setTexture("uDepthMap", 1, GL_TEXTURE_2D, targets.depth);
-  drawScreen();
+  drawScreen(2);
 
-  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
+  // Depth is read and asked at once, so that the one asked is a copy
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.seen.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.steps.id());
+  glBlitFramebuffer(0, 0, options.width, options.height, 0, 0, options.width, options.height,
+                    GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.litWhereSeen.id());
   glViewport(0, 0, options.width, options.height);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
   const gl::Program& p = programs.motion;
   p.use();
   setEye(p);
@@ -593,13 +677,15 @@ void Renderer::Impl::shadeInMotion() {
   p.setTexture("uNormalMap", 1, GL_TEXTURE_2D, targets.normal);
   p.setTexture("uDepthMap", 2, GL_TEXTURE_2D, targets.depth);
   p.setTexture("uOpenMap", 3, GL_TEXTURE_2D, targets.open);
-  drawScreen();
+  drawScreenWhereSeen(p);
 }
 
 // Into the layer that veils no longer need; the picture is made from there.
 void Renderer::Impl::smoothEdges() {
   glBindFramebuffer(GL_FRAMEBUFFER, targets.smoothed.id());
   glDisable(GL_DEPTH_TEST);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
   programs.smooth.use();
   programs.smooth.setTexture("uSource", 0, GL_TEXTURE_2D, targets.light);
   drawScreen();
@@ -608,16 +694,19 @@ void Renderer::Impl::smoothEdges() {
 // Depth peeling, front to back [Everitt 2001]: each layer is what lies just behind the last one.
 void Renderer::Impl::drawVeils() {
   if (scene.veils().indexCount == 0) return;
-  glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
-  glClear(GL_COLOR_BUFFER_BIT);
+  const int layers = options.motion ? scene.veilItems() > 1 ? 2 : 1 : kMaxVeils;
+  if (layers > 1) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());
+    glClear(GL_COLOR_BUFFER_BIT);
+  }
   // Before the first layer nothing is peeled: the "last" depth is 0
   glBindFramebuffer(GL_FRAMEBUFFER, targets.layer[1].id());
   glClearDepth(0.0);
   glClear(GL_DEPTH_BUFFER_BIT);
   glClearDepth(1.0);
 
-  for (int layer = 0; layer < kMaxVeils; ++layer) {
+  for (int layer = 0; layer < layers; ++layer) {
     const int now = layer % 2;
     glBindFramebuffer(GL_FRAMEBUFFER, targets.layer[now].id());
     glEnable(GL_DEPTH_TEST);
@@ -633,13 +722,17 @@ void Renderer::Impl::drawVeils() {
     p.setTexture("uDepthMap", 1, GL_TEXTURE_2D, targets.depth);
     p.setTexture("uLastLayer", 2, GL_TEXTURE_2D, targets.veilDepth[1 - now]);
     glBindVertexArray(scene.veils().array.id());
-    glBeginQuery(GL_SAMPLES_PASSED, drawn.id());
+    // Single pixels at folds are not worth a layer; asking for their number waits for the card
+    if (!options.motion) glBeginQuery(GL_SAMPLES_PASSED, drawn.id());
     glDrawElements(GL_TRIANGLES, scene.veils().indexCount, GL_UNSIGNED_INT, nullptr);
-    glEndQuery(GL_SAMPLES_PASSED);
-    GLuint count = 0;
-    glGetQueryObjectuiv(drawn.id(), GL_QUERY_RESULT, &count);
-    // Single pixels at folds are not worth a layer
-    if (count < static_cast<GLuint>(layer * (options.width * options.height / 5000)) + 1) break;
+    if (!options.motion) {
+      glEndQuery(GL_SAMPLES_PASSED);
+      GLuint count = 0;
+      glGetQueryObjectuiv(drawn.id(), GL_QUERY_RESULT, &count);
+      if (count < static_cast<GLuint>(layer * (options.width * options.height / 5000)) + 1) break;
+    }
+
+    if (layers == 1) break;
 
     // Under what was peeled before
     glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());
@@ -661,7 +754,8 @@ void Renderer::Impl::drawVeils() {
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   programs.copy.use();
   programs.copy.set("uWeight", 1.0f);
-  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, targets.veilSum);
+  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D,
+                           layers == 1 ? targets.veilLight : targets.veilSum);
   drawScreen();
   glDisable(GL_BLEND);
 }
@@ -706,7 +800,18 @@ void Renderer::Impl::resolve(int x, int y) {
   glUniform2i(p.location("uOffset"), x, y);
   const bool single = options.motion && passesDone > 0;
   p.setTexture("uSum", 0, GL_TEXTURE_2D, single ? targets.veilLight : targets.sum);
-  drawScreen();
+  if (single && !options.gradient) {
+    // Around the scene's box there is nothing but background
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(x, y, options.width, options.height);
+    glClearColor(srgbFromLinear(background[0]), srgbFromLinear(background[1]),
+                 srgbFromLinear(background[2]), background[3]);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glScissor(x + window[0], y + window[1], window[2] - window[0] + 1, window[3] - window[1] + 1);
+  }
+  glBindVertexArray(noVertices.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_SCISSOR_TEST);
   glUseProgram(0);
   glBindVertexArray(0);
   glActiveTexture(GL_TEXTURE0);

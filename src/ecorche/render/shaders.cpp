@@ -279,12 +279,14 @@ void main() {
 )") + "}\n";
 }
 
+// One triangle over all of a target. uDepth stands before or behind what a depth test compares.
 std::string screenVertex() {
   return kVersion + R"(
 out vec2 vUv;
+uniform float uDepth;
 void main() {
   vUv = vec2((gl_VertexID & 1) == 0 ? 0.0 : 2.0, (gl_VertexID & 2) == 0 ? 0.0 : 2.0);
-  gl_Position = vec4(2.0 * vUv - 1.0, 0.0, 1.0);
+  gl_Position = vec4(2.0 * vUv - 1.0, uDepth, 1.0);
 }
 )";
 }

@@ -80,6 +80,13 @@ int largest(Tet t, vec4 at, int from, int to) {
   return best;
 }
 
+vec3 placeAt(float distance, vec2 uv) {
+  vec4 near = uInverse * vec4(2.0 * uv - 1.0, -1.0, 1.0);
+  vec3 from = near.xyz / near.w;
+  return uParallel > 0.5 ? from + uForward * (distance - dot(from - uEye, uForward))
+                         : uEye + normalize(from - uEye) * distance;
+}
+
 struct Surface {
   vec3 at, normal;
   uint column;
@@ -89,11 +96,8 @@ struct Surface {
 bool surfaceHere(out Surface s) {
   uvec2 found = texelFetch(uFound, ivec2(gl_FragCoord.xy), 0).xy;
   if (found.x == 0xffffffffu) return false;
-  float distance = uintBitsToFloat(found.y);
-  vec4 near = uInverse * vec4(2.0 * vUv - 1.0, -1.0, 1.0);
-  vec3 from = near.xyz / near.w;
-  vec3 ray = uParallel > 0.5 ? uForward : normalize(from - uEye);
-  s.at = uParallel > 0.5 ? from + ray * (distance - dot(from - uEye, ray)) : uEye + ray * distance;
+  s.at = placeAt(uintBitsToFloat(found.y), vUv);
+  vec3 ray = uParallel > 0.5 ? uForward : normalize(s.at - uEye);
 
   Tet t = tetAt(int(found.x >> 3));
   int kind = int(found.x & 7u);
@@ -229,7 +233,7 @@ void main() {
 )";
 }
 
-std::string volumeSurfaceFragment() {
+std::string volumeSurfaceFragment(bool withDepth) {
   return kVersion + kRecords + kFound + R"(
 layout(location = 0) out vec4 oColour;   // linear colour, roughness
 layout(location = 1) out vec4 oNormal;   // normal, minus the tissue's id
@@ -239,7 +243,15 @@ void main() {
   vec4 look = texelFetch(uTissues, 2 * int(s.column));
   oColour = vec4(look.rgb, s.cut ? max(look.a, 0.75) : look.a);
   oNormal = vec4(s.normal, -float(s.column) - 1.0);
-  gl_FragDepth = windowDepth(s.at);
+)" + (withDepth ? "  gl_FragDepth = windowDepth(s.at);\n}\n" : "}\n");
+}
+
+std::string volumeDepthFragment() {
+  return kVersion + kRecords + kFound + R"(
+void main() {
+  uvec2 found = texelFetch(uFound, ivec2(gl_FragCoord.xy), 0).xy;
+  if (found.x == 0xffffffffu) discard;
+  gl_FragDepth = windowDepth(placeAt(uintBitsToFloat(found.y), vUv));
 }
 )";
 }

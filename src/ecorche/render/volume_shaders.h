@@ -13,8 +13,10 @@ namespace ecorche::render::glsl {
 /// distance from the eye. Fragments without one are discarded; depth is that of the face, which
 /// orders tets as well as the step itself would, since they do not overlap.
 [[nodiscard]] std::string volumeFragment();
-/// What was found, as colour, normal and depth of a picture; outward of screenVertex().
-[[nodiscard]] std::string volumeSurfaceFragment();
+/// What was found, as colour and normal of a picture, with its depth or without.
+[[nodiscard]] std::string volumeSurfaceFragment(bool withDepth);
+/// Its depth alone.
+[[nodiscard]] std::string volumeDepthFragment();
 /// The same as a lit veil.
 [[nodiscard]] std::string volumeVeilFragment();
 
