@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <limits>
 #include <random>
 
 #include "support/paths.h"
@@ -349,6 +350,60 @@ TEST_CASE("a bag of doubled faces on the outside of a surface is not taken for a
   // Box and tent are one solid now: the face between them bounds nothing
   CHECK(repaired(*r, "inner-wall"));
   CHECK(volumeOf(r->mesh) == Approx(1.0 + 1.0 / 3.0));
+}
+
+TEST_CASE("walls inside go, however many there are and wherever they meet") {
+  const auto all = [](int x, int y, int z) { return 1 + x + 100 * (y + 100 * z); };
+  const RepairOptions skin{.mustClose = true};
+  for (const auto& [nx, ny, nz] : {std::array{2, 1, 1}, {3, 1, 1}, {100, 1, 1}, {5, 4, 3}}) {
+    INFO(nx << " × " << ny << " × " << nz);
+    const auto r = repair(test::rooms(nx, ny, nz, all), skin);
+    checkWhole(r, nx * ny * nz);
+    CHECK(repaired(*r, "inner-wall"));
+    CHECK(r->mesh.F.rows() == 4 * (nx * ny + ny * nz + nz * nx));
+  }
+  SECTION("inside out") {
+    SurfaceMesh m = test::rooms(4, 2, 1, all);
+    m.F.col(0).swap(m.F.col(1));
+    checkWhole(repair(m, skin), 8);
+  }
+  SECTION("walls around a hollow; the hollow stays") {
+    const auto shell = [&](int x, int y, int z) {
+      return x == 1 && y == 1 && z == 1 ? 0 : all(x, y, z);
+    };
+    const auto r = repair(test::rooms(3, 3, 3, shell), skin);
+    checkWhole(r, 26);
+    CHECK(checkSurface(r->mesh).components.size() == 2);
+  }
+  SECTION("with a face missing in the skin, another in a wall") {
+    SurfaceMesh m = test::rooms(12, 2, 2, [](int x, int, int) { return 1 + x / 4; });
+    Eigen::Index outer = -1;
+    Eigen::Index wall = -1;
+    for (Eigen::Index f = 0; f < m.F.rows(); ++f) {
+      const Vector3 middle =
+          (m.V.row(m.F(f, 0)) + m.V.row(m.F(f, 1)) + m.V.row(m.F(f, 2))).transpose() / 3;
+      if (middle.x() == 4) wall = f;
+      if (middle.z() == 2 && middle.x() > 5 && middle.x() < 6) outer = f;
+    }
+    REQUIRE(wall >= 0);
+    REQUIRE(outer >= 0);
+    dropFace(m, std::max(outer, wall));
+    dropFace(m, std::min(outer, wall));
+    const auto r = repair(m, skin);
+    checkWhole(r, 48);
+    CHECK(repaired(*r, "hole"));
+  }
+  SECTION("where the skin itself looks both ways nothing goes") {
+    SurfaceMesh m = test::rooms(3, 1, 1, all);
+    for (Eigen::Index f = 0; f < m.F.rows(); ++f) {
+      const auto x = [&](int k) { return m.V(m.F(f, k), 0); };
+      if (std::max({x(0), x(1), x(2)}) <= 1 && std::min({x(0), x(1), x(2)}) < 1)
+        std::swap(m.F(f, 0), m.F(f, 1));
+    }
+    const auto r = repair(m);
+    REQUIRE(r);
+    CHECK_FALSE(repaired(*r, "inner-wall"));
+  }
 }
 
 TEST_CASE("the dog's bones are repaired, doubled ones too, and lose nothing") {

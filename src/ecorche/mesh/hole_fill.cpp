@@ -85,10 +85,7 @@ StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
       ++edges;
     }
     const double whole = boxes[piece[mesh.face(mesh.opposite(border))]].diagonal();
-    // The fewer its edges, the surer that a face or two are missing
-    constexpr double kFew = 20.0;
-    if (box.diagonal() > std::max(1.0, kFew / static_cast<double>(edges)) * holeRel * whole)
-      continue;
+    if (!isSmallHole(box.diagonal(), edges, whole, holeRel)) continue;
     // The exhaustive search takes the cube of the border's length
     std::vector<Mesh::Face_index> patch;
     PMP::triangulate_hole(mesh, border, std::back_inserter(patch),
@@ -140,6 +137,12 @@ ManifoldReport process(LabelledFaces& faces, double holeRel, RunContext& run) {
 }
 
 }  // namespace
+
+bool isSmallHole(double extent, std::size_t edges, double whole, double holeRel) {
+  // The fewer its edges, the surer that a face or two are missing
+  constexpr double kFew = 20.0;
+  return extent <= std::max(1.0, kFew / static_cast<double>(edges)) * holeRel * whole;
+}
 
 Result<ManifoldReport> makeManifold(LabelledFaces& faces, double holeRel, RunContext& run) {
   try {

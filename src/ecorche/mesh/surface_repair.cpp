@@ -102,7 +102,8 @@ class Repair {
     report("degenerate-faces", dropCollapsed(faces_), "dropped {} faces without area");
     report("duplicate-faces", dropDoubled(faces_),
            "dropped {} faces that lay upon others or between touching pieces");
-    report("inner-wall", dropInnerWalls(faces_), "dropped {} walls inside, up to {:.3g} m across");
+    report("inner-wall", dropInnerWalls(faces_, options_.holeRel),
+           "dropped {} walls inside, up to {:.3g} m across");
     // Before anything is split or filled, so that a stray face is not taken for a surface
     report("speck", dropSpecks(faces_, speckExtent_),
            "dropped {} small pieces, up to {:.3g} m across");
