@@ -406,6 +406,29 @@ TEST_CASE("walls inside go, however many there are and wherever they meet") {
   }
 }
 
+TEST_CASE("a triangle on its own is no hole: it is not filled, and the way out is another one") {
+  const auto withStray = [](SurfaceMesh m) {
+    const auto first = static_cast<std::int32_t>(m.V.rows());
+    m.V.conservativeResize(first + 3, 3);
+    m.V.bottomRows(3) << 3, 3, 3, 3.5, 3, 3, 3, 3.5, 3;
+    addFace(m, first, first + 1, first + 2);
+    return m;
+  };
+  for (const double holeRel : {0.05, 0.5, std::numeric_limits<double>::infinity()}) {
+    const auto bone = repair(withStray(ball()), {.holeRel = holeRel});
+    REQUIRE(bone);
+    CHECK_FALSE(repaired(*bone, "hole"));
+    CHECK(checkSurface(bone->mesh).holes.size() == 1);
+    const auto skin = repair(withStray(ball()), {.holeRel = holeRel, .mustClose = true});
+    REQUIRE_FALSE(skin);
+    CHECK(skin.error().code == ErrorCode::SkinNotClosed);
+    CHECK(skin.error().message.find("triangle that hangs together with nothing") !=
+          std::string::npos);
+    CHECK(skin.error().message.find("fill-holes") == std::string::npos);
+    CHECK(skin.error().place.point->isApprox(Vector3(3.25, 3.25, 3), 1e-9));
+  }
+}
+
 TEST_CASE("the dog's bones are repaired, doubled ones too, and lose nothing") {
   if (!test::haveData("dog")) return;
   RunContext run;

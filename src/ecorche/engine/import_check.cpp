@@ -22,7 +22,7 @@ struct Remedy {
   std::string_view kind;
   std::string_view text;
 };
-constexpr std::array<Remedy, 14> kRemedies{{
+constexpr std::array<Remedy, 17> kRemedies{{
     {"unused-vertices", "build leaves them out"},
     {"duplicate-vertices", "build merges them"},
     {"degenerate-faces", "build takes them out"},
@@ -32,6 +32,9 @@ constexpr std::array<Remedy, 14> kRemedies{{
     {"inconsistent-orientation", "build makes neighbours agree"},
     {"inward", "build turns it outward, or takes it for the wall of a hollow in another piece"},
     {"components", "none needed"},
+    {"lone-face", "build wraps the mesh with it; delete it where the mesh was made"},
+    {"t-junctions", "build closes the seam"},
+    {"non-manifold", "build takes the pieces apart there"},
     {"crack", "build closes it"},
     {"speck", "build drops them"},
     {"inner-wall", "build drops it"},
@@ -48,6 +51,10 @@ std::string remedyOf(const Finding& finding, MeshRole role, bool closes) {
       return "build refuses the skin: close it, or ask for \"repair\": \"fill-holes\" or \"wrap\"";
     }
     return "build wraps the mesh; \"repair\": \"fill-holes\" keeps its shape and caps the hole";
+  }
+  if (finding.kind == "lone-face" && role == MeshRole::Skin) {
+    return "build refuses the skin: delete the triangle where the mesh was made, or ask for "
+           "\"repair\": \"wrap\"";
   }
   if (finding.kind == "self-intersections") {
     return "build takes what it encloses where that is certain; else \"repair\": \"wrap\" or "
@@ -235,7 +242,8 @@ Result<MeshLook> lookAtMesh(const mesh::SurfaceMesh& mesh, MeshRole role, RunCon
     for (const Finding& finding : prepared->surface.findings) {
       if (!has(out.findings, finding.kind)) out.findings.push_back(finding);
     }
-  } else if (!has(out.findings, "hole") && !has(out.findings, "non-finite-vertex")) {
+  } else if (!has(out.findings, "hole") && !has(out.findings, "lone-face") &&
+             !has(out.findings, "non-finite-vertex")) {
     out.findings.push_back({.severity = Severity::Error,
                             .kind = "refused",
                             .object = mesh.name,
@@ -246,7 +254,8 @@ Result<MeshLook> lookAtMesh(const mesh::SurfaceMesh& mesh, MeshRole role, RunCon
   for (Finding& finding : out.findings) {
     if (finding.remedy.empty()) finding.remedy = remedyOf(finding, role, closes);
     if (finding.severity == Severity::Repaired) finding.severity = Severity::Warning;
-    if (finding.kind == "hole" && role == MeshRole::Skin && !closes)
+    const bool open = finding.kind == "hole" || finding.kind == "lone-face";
+    if (open && role == MeshRole::Skin && !closes)
       finding.severity = Severity::Error;
   }
   return out;

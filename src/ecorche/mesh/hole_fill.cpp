@@ -64,6 +64,13 @@ StepReport dropFlat(Mesh& mesh) {
   return report;
 }
 
+/// The border of a triangle that hangs together with nothing: filling it doubles it.
+bool isLoneFace(const Mesh& mesh, Mesh::Halfedge_index border) {
+  const auto across = [&](Mesh::Halfedge_index h) { return mesh.face(mesh.opposite(h)); };
+  const auto next = mesh.next(border);
+  return mesh.next(mesh.next(next)) == border && across(border) == across(next);
+}
+
 StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
   StepReport report;
   std::vector<Mesh::Halfedge_index> cycles;
@@ -78,6 +85,7 @@ StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
   }
   for (const auto border : cycles) {
     if (run.cancelled()) return report;
+    if (isLoneFace(mesh, border)) continue;
     Box box;
     std::size_t edges = 0;
     for (const auto h : mesh.halfedges_around_face(border)) {

@@ -20,8 +20,8 @@ struct ManifoldReport {
 };
 
 /// Makes faces agree about their sides, splits edges and vertices that join too much, takes out
-/// faces without area and fills small holes (CGAL; see isSmallHole). Faces name no vertex twice, and
-/// none is doubled.
+/// faces without area and fills small holes (CGAL; see isSmallHole). A border around a sheet that
+/// its filling would only double is none. Faces name no vertex twice, and none is doubled.
 /// @errors  MeshNotRepairable, Cancelled
 [[nodiscard]] Result<ManifoldReport> makeManifold(LabelledFaces& faces, double holeRel,
                                                   RunContext& run);

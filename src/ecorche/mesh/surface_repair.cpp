@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace ecorche::mesh {
@@ -125,8 +126,6 @@ class Repair {
     report("non-manifold", done->split, "split {} vertices where too many faces hung together");
     report("degenerate-faces", done->flat, "took out {} faces without area");
     report("hole", done->filled, "filled {} holes, up to {:.3g} m across");
-    // The border of a lone face is a hole as well, and its filling the same face once more
-    dropDoubled(faces_);
     return {};
   }
 
@@ -152,13 +151,7 @@ class Repair {
     const SurfaceCheck after = checkSurface(mesh);
     if (options_.mustClose && !after.holes.empty()) {
       const auto& hole = after.holes.front();
-      const std::size_t others = after.holes.size() - 1;
-      return fail(ErrorCode::SkinNotClosed,
-                  fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; close it where "
-                              "the mesh was made, or ask for \"repair\": \"fill-holes\" (a flat "
-                              "cap) or \"wrap\" (a skin laid around it)",
-                              mesh.name, hole.edges, hole.extent,
-                              others > 0 ? fmt::format(", and {} more", others) : ""),
+      return fail(ErrorCode::SkinNotClosed, whyNotClosed(after),
                   {.object = mesh.name, .point = hole.place});
     }
     for (const Finding& finding : after.findings) {
@@ -172,6 +165,33 @@ class Repair {
       }
     }
     return {};
+  }
+
+  // What is wrong, and a way out that leads somewhere: what was not filled although every hole was
+  // to be is not sent there again.
+  [[nodiscard]] std::string whyNotClosed(const SurfaceCheck& after) const {
+    const auto& hole = after.holes.front();
+    const std::int64_t pieces = std::ssize(after.components);
+    const std::string others =
+        after.holes.size() > 1 ? fmt::format(", and {} more", after.holes.size() - 1) : "";
+    if (pieces > faces_.F.rows() / 4 && pieces > 4) {
+      return fmt::format("the {} faces of \"{}\" hang together in {} pieces; merge its vertices by "
+                         "distance where the mesh was made, or ask for \"repair\": \"wrap\" (a skin "
+                         "laid around it)",
+                         faces_.F.rows(), mesh_.name, pieces);
+    }
+    if (after.components[static_cast<std::size_t>(hole.piece)].faces == 1) {
+      return fmt::format("\"{}\" has a triangle that hangs together with nothing, {:.3g} m across{}; "
+                         "no filling closes it: delete it where the mesh was made, or ask for "
+                         "\"repair\": \"wrap\" (a skin laid around everything)",
+                         mesh_.name, hole.extent, others);
+    }
+    const bool filled = std::isinf(options_.holeRel);
+    return fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; {}close it where the mesh "
+                       "was made, or ask for {}\"wrap\" (a skin laid around it)",
+                       mesh_.name, hole.edges, hole.extent, others,
+                       filled ? "it cannot be filled: " : "",
+                       filled ? "\"repair\": " : "\"repair\": \"fill-holes\" (a flat cap) or ");
   }
 
   void note(Severity severity, const char* kind, std::string message, std::optional<Vector3> point,
