@@ -1,4 +1,5 @@
 #include <ecorche/domain/carve.h>
+#include <ecorche/domain/pockets.h>
 #include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <support/shapes.h>
@@ -223,4 +224,37 @@ TEST_CASE("nothing left of the skin is an error that names the plane") {
   REQUIRE_FALSE(carved);
   CHECK(carved.error().code == ErrorCode::EmptyDomain);
   CHECK(carved.error().message.find("too far") != std::string::npos);
+}
+
+TEST_CASE("the hollows of thousands of bones are found") {
+  // Bones on a grid in a box of skin, each hollow: the wall of the bone faces into it, that of the
+  // hollow out of it
+  constexpr int kSide = 20;
+  const auto skin = test::box({-1, -1, -1}, {3 * kSide, 3 * kSide, 3 * kSide});
+  const auto outer = test::box({0, 0, 0}, {1, 1, 1});
+  const auto inner = test::box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75});
+  constexpr int kCount = kSide * kSide * kSide;
+  TaggedSurface surface{mesh::Positions(8 * (1 + 2 * kCount), 3),
+                        mesh::Triangles(12 * (1 + 2 * kCount), 3), {}};
+  int next = 0;
+  const auto add = [&](const mesh::SurfaceMesh& box, const Vector3& at, bool turned,
+                       BoundaryTag tag) {
+    surface.V.middleRows(8 * next, 8) = box.V.rowwise() + at.transpose();
+    auto F = surface.F.middleRows(12 * next, 12);
+    F = box.F.array() + 8 * next;
+    if (turned) F.col(0).swap(F.col(1));
+    surface.tag.insert(surface.tag.end(), 12, packed(tag));
+    ++next;
+  };
+  add(skin, Vector3::Zero(), false, {BoundaryTag::Kind::Skin, 0});
+  for (int i = 0; i < kCount; ++i) {
+    const Vector3 at = 2.9 * Vector3(i % kSide, i / kSide % kSide, i / kSide / kSide);
+    add(outer, at, true, {BoundaryTag::Kind::Bone, i});
+    add(inner, at, false, {BoundaryTag::Kind::Bone, i});
+  }
+  const auto pockets = dropPockets(surface);
+  CHECK(pockets.size() == kCount);
+  CHECK(surface.F.rows() == 12 * (1 + kCount));
+  CHECK(mesh::signedVolume(surface.V, surface.F) ==
+        Approx(mesh::signedVolume(skin.V, skin.F) - kCount));
 }

@@ -429,6 +429,55 @@ TEST_CASE("a triangle on its own is no hole: it is not filled, and the way out i
   }
 }
 
+TEST_CASE("twenty thousand pieces are told apart, and those inside out turned") {
+  // Small pyramids on a grid: closed, closed and inside out, open
+  constexpr int kSide = 27;
+  const SurfaceMesh box = test::box({0, 0, 0}, {1, 1, 1});
+  Triangles pyramid(4, 3);
+  pyramid << 0, 2, 1, 0, 1, 4, 0, 4, 2, 1, 2, 4;
+  SurfaceMesh m;
+  m.name = "crowd";
+  m.V.resize(8 * kSide * kSide * kSide, 3);
+  m.F.resize(4 * kSide * kSide * kSide, 3);
+  Eigen::Index faces = 0;
+  double volume = 0.0;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const Vector3 at = 2.0 * Vector3(i % kSide, i / kSide % kSide, i / kSide / kSide);
+    m.V.middleRows(8 * i, 8) = box.V.rowwise() + at.transpose();
+    const int kind = i % 3;
+    for (int f = 0; f < (kind == 2 ? 3 : 4); ++f) {
+      m.F.row(faces) = pyramid.row(f).array() + 8 * i;
+      if (kind == 1) std::swap(m.F(faces, 0), m.F(faces, 1));
+      ++faces;
+    }
+    if (kind != 2) volume += 1.0 / 6.0;
+  }
+  m.F.conservativeResize(faces, 3);
+  const auto r = repair(m, {.holeRel = 0});
+  REQUIRE(r);
+  CHECK(repaired(*r, "inward"));
+  double closed = 0.0;
+  for (const auto& piece : checkSurface(r->mesh).components) {
+    CHECK_FALSE(piece.inward);
+    if (piece.closed) closed += piece.volume;
+  }
+  CHECK(closed == Approx(volume));
+}
+
+TEST_CASE("cracks close although something lies far away") {
+  // Far away makes the tolerance large; what decides is the length of the border's edges
+  SurfaceMesh cracked = unwelded(test::sphere({0, 0, 0}, 1, 5));
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> shake(-3e-6, 3e-6);
+  for (auto& x : cracked.V.reshaped()) x += shake(random);
+  SurfaceMesh m = joined({cracked, test::box({1e5, 0, 0}, {1.00000001e5, 1, 1})}, "far");
+  m.parts.clear();
+  const auto r = repair(m, {.speckRel = 0});
+  REQUIRE(r);
+  CHECK(checkSurface(r->mesh).isSound());
+  CHECK(checkSurface(r->mesh).components.size() == 2);
+}
+
 TEST_CASE("the dog's bones are repaired, doubled ones too, and lose nothing") {
   if (!test::haveData("dog")) return;
   RunContext run;
