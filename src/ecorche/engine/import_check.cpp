@@ -109,8 +109,9 @@ Finding contactFinding(const mesh::SurfaceContact& contact, const std::string& a
 
 class Between {
  public:
-  Between(const ProjectMeshes& meshes, double tolerance, RunContext& run)
-      : meshes_(meshes), tolerance_(tolerance), run_(run) {}
+  Between(const ProjectMeshes& meshes, const std::vector<domain::CutPlane>& cutPlanes,
+          double tolerance, RunContext& run)
+      : meshes_(meshes), cutPlanes_(cutPlanes), tolerance_(tolerance), run_(run) {}
 
   Findings operator()() {
     for (const mesh::UnitMismatch& mismatch : mesh::unitMismatches(meshes_.skin, meshes_.bones)) {
@@ -137,12 +138,17 @@ class Between {
 
  private:
   void againstSkin(const mesh::ContactBody& skin, const std::vector<mesh::ContactBody>& bodies) {
+    const auto isKept = [&](const mesh::Vector3& p) {
+      return std::ranges::all_of(cutPlanes_, [&](const domain::CutPlane& plane) {
+        return plane.normal.dot(p - plane.point) > 0.0;
+      });
+    };
     std::vector<std::optional<mesh::PokingOut>> out(bodies.size());
     parallelFor(
         std::ssize(bodies),
         [&](std::int64_t i) {
           const auto k = static_cast<std::size_t>(i);
-          if (!run_.cancelled()) out[k] = mesh::pokingOut(bodies[k], skin);
+          if (!run_.cancelled()) out[k] = mesh::pokingOut(bodies[k], skin, isKept);
         },
         1);
     for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -192,6 +198,7 @@ class Between {
   }
 
   const ProjectMeshes& meshes_;
+  const std::vector<domain::CutPlane>& cutPlanes_;
   double tolerance_;
   RunContext& run_;
   Findings out_;
@@ -261,7 +268,9 @@ Result<MeshLook> lookAtMesh(const mesh::SurfaceMesh& mesh, MeshRole role, RunCon
   return out;
 }
 
-Result<ImportCheck> checkImport(const ProjectMeshes& meshes, double tolerance, RunContext& run) {
+Result<ImportCheck> checkImport(const ProjectMeshes& meshes,
+                                const std::vector<domain::CutPlane>& cutPlanes, double tolerance,
+                                RunContext& run) {
   const Stage stage(run, "check meshes");
   struct Task {
     const mesh::SurfaceMesh* mesh;
@@ -287,7 +296,7 @@ Result<ImportCheck> checkImport(const ProjectMeshes& meshes, double tolerance, R
     out.meshes.push_back(std::move(*look));
   }
   // Distances to what is no number are none
-  if (finite) out.between = Between(meshes, tolerance, run)();
+  if (finite) out.between = Between(meshes, cutPlanes, tolerance, run)();
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "checking meshes was interrupted");
   return out;
 }
