@@ -155,6 +155,28 @@ TEST_CASE("new says what is wrong and writes nothing") {
   CHECK(model.run("new -o p.ecorche").exitCode == 2);
 }
 
+TEST_CASE("a skin that was laid around bones is no bone when new runs again") {
+  Model model;
+  fs::rename(model.temp.path() / "meshes" / "bones" / "BONEhumerus.obj",
+             model.temp.path() / "humerus.obj");
+  const std::string command = "new --bones . --unit cm --symmetry none -o arm.ecorche --json";
+  REQUIRE(model.run(command).exitCode == 0);
+  REQUIRE(fs::exists(model.temp.path() / "arm-skin.obj"));
+  const auto again = model.run(command + " --force");
+  INFO(again.err << again.out);
+  REQUIRE(again.exitCode == 0);
+  const auto json = nlohmann::json::parse(again.out);
+  CHECK(json.at("bones") == 1);
+  CHECK(std::ranges::any_of(json.at("findings"),
+                            [](const auto& f) { return f.at("kind") == "made-skin"; }));
+  // Nor is that of another project; a file of such a name without a project is
+  REQUIRE(model.run("new --bones . --unit cm --symmetry none -o leg.ecorche").exitCode == 0);
+  CHECK(model::loadProject(model.temp.path() / "leg.ecorche").value().bones.size() == 1);
+  fs::remove(model.temp.path() / "arm.ecorche");
+  REQUIRE(model.run("new --bones . --unit cm --symmetry none -o rest.ecorche").exitCode == 0);
+  CHECK(model::loadProject(model.temp.path() / "rest.ecorche").value().bones.size() == 2);
+}
+
 TEST_CASE("parts of one name in one file are all there") {
   Model model;
   const auto solid = [](double x) {
