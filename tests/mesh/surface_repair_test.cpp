@@ -260,7 +260,9 @@ TEST_CASE("nothing to repair, and vertices that are no numbers, are errors") {
   CHECK(repair(m).error().code == ErrorCode::MeshWithoutFaces);
   m = ball();
   m.V(3, 1) = std::nan("");
-  CHECK(repair(m).error().code == ErrorCode::NonFiniteVertex);
+  const auto nowhere = repair(m);
+  CHECK(nowhere.error().code == ErrorCode::NonFiniteVertex);
+  CHECK(nowhere.error().message.starts_with("\"sphere\": vertex 4 is ("));
   RunContext run;
   run.cancel();
   CHECK(repairSurface(unwelded(ball()), {}, run).error().code == ErrorCode::Cancelled);
@@ -427,6 +429,36 @@ TEST_CASE("a triangle on its own is no hole: it is not filled, and the way out i
     CHECK(skin.error().message.find("fill-holes") == std::string::npos);
     CHECK(skin.error().place.point->isApprox(Vector3(3.25, 3.25, 3), 1e-9));
   }
+}
+
+TEST_CASE("a crack all around is told as one, with its width; a hole beside others is not") {
+  // The upper half of a ball lifted off the lower one
+  SurfaceMesh m = unwelded(ball());
+  for (Eigen::Index f = 0; f < m.F.rows(); ++f) {
+    double middle = 0.0;
+    for (int k = 0; k < 3; ++k) middle += m.V(m.F(f, k), 2) / 3;
+    if (middle > 0.3) {
+      for (int k = 0; k < 3; ++k) m.V(m.F(f, k), 2) += 0.004;
+    }
+  }
+  const auto cracked = repair(m, {.mustClose = true});
+  REQUIRE_FALSE(cracked);
+  CHECK(cracked.error().code == ErrorCode::SkinNotClosed);
+  CHECK(cracked.error().message.find("up to 4 mm apart") != std::string::npos);
+  CHECK(cracked.error().message.find("merge vertices by that distance") != std::string::npos);
+  CHECK(cracked.error().message.find("fill-holes") == std::string::npos);
+
+  SurfaceMesh open = joined({ball(), ball()}, "two");
+  open.parts.clear();
+  open.V.bottomRows(ball().V.rows()).col(0).array() += 5.0;
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < open.F.rows(); ++f) {
+    if (open.V(open.F(f, 0), 2) < 0.9) open.F.row(kept++) = open.F.row(f).eval();
+  }
+  open.F.conservativeResize(kept, 3);
+  const auto holes = repair(open, {.mustClose = true});
+  REQUIRE_FALSE(holes);
+  CHECK(holes.error().message.find("fill-holes") != std::string::npos);
 }
 
 TEST_CASE("twenty thousand pieces are told apart, and those inside out turned") {
