@@ -116,7 +116,8 @@ Result<engine::ImportCheck> lookAt(const std::string& file, Session& session) {
     if (!project) return passOn(project);
     auto meshes = engine::loadMeshes(*project, session.run);
     if (!meshes) return passOn(meshes);
-    auto check = engine::checkImport(*meshes, project->settings.surfaceTolerance, session.run);
+    auto check = engine::checkImport(*meshes, engine::cutPlanes(*project),
+                                     project->settings.surfaceTolerance, session.run);
     // What was asked for has been done already
     if (check)
       check->between.insert(check->between.begin(), meshes->findings.begin(),

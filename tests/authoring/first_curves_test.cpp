@@ -12,6 +12,7 @@
 #include <random>
 
 #include "authoring/shapes.h"
+#include "support/shapes.h"
 #include "support/paths.h"
 
 using namespace ecorche;
@@ -189,6 +190,18 @@ TEST_CASE("an open bone is made solid, and says so") {
   const auto ball = test::ball(2, [](const Vector3& p) -> Vector3 { return p; });
   CHECK(solidBone("ball", ball, 0.05, findings, run)->solid);
   CHECK(findings.size() == 1);
+}
+
+TEST_CASE("a bone with a sheet inside is solid only once that is gone") {
+  const auto bone = test::rooms(2, 1, 1, [](int x, int, int) { return 1 + x; });
+  CHECK_FALSE(boneSurface("box", bone).solid);
+  RunContext run;
+  Findings findings;
+  const auto mended = solidBone("box", bone, 0.05, findings, run).value();
+  REQUIRE(mended.solid);
+  for (const double x : {0.2, 0.99, 1.01, 1.8}) CHECK(mended.solid->inside({x, 0.4, 0.6}));
+  CHECK_FALSE(mended.solid->inside({2.1, 0.5, 0.5}));
+  CHECK(findings.empty());
 }
 
 TEST_CASE("the dog's muscles get curves inside the skin, out of bones, alike on both sides") {

@@ -125,6 +125,29 @@ TEST_CASE("check: bones that overlap, touch, poke out, lie within one another") 
   CHECK(out[0].at("size").get<double>() == Approx(half).epsilon(0.25));
 }
 
+TEST_CASE("check and build: what reaches out of the skin beyond a cut plane is nobody's concern") {
+  const SmallProject p;
+  p.write("out.obj", ball({0.05, 0, 0}, 0.01));
+  const std::string bones =
+      R"("file": "bone.obj"}, {"name": "spur", "file": "out.obj"})";
+  const auto planes = [](int side) {
+    return fmt::format(
+        R"(], "cut_planes": [{{"name": "side", "kind": "region", "point": [0, 0, 0],
+           "normal": [{}, 0, 0]}}],
+  "settings")",
+        side);
+  };
+  for (const int side : {1, -1}) {
+    INFO("the plane keeps the side of x " << side);
+    std::string text = SmallProject::textWith(R"("file": "bone.obj"})", bones);
+    const std::string end = "],\n  \"settings\"";
+    const auto spot = text.find(end);
+    REQUIRE(spot != std::string::npos);
+    p.write("limb.ecorche", text.replace(spot, end.size(), planes(side)));
+    CHECK(findingsOf(checked(p, "limb.ecorche"), "pokes-out").size() == (side > 0 ? 1 : 0));
+  }
+}
+
 TEST_CASE("check and build: bones in another unit are named with the factor and the way out") {
   const SmallProject p;
   mesh::SurfaceMesh bone = SmallProject::egg(SmallProject::kBone, 2);

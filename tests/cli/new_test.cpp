@@ -155,6 +155,57 @@ TEST_CASE("new says what is wrong and writes nothing") {
   CHECK(model.run("new -o p.ecorche").exitCode == 2);
 }
 
+TEST_CASE("a skin that was laid around bones is no bone when new runs again") {
+  Model model;
+  fs::rename(model.temp.path() / "meshes" / "bones" / "BONEhumerus.obj",
+             model.temp.path() / "humerus.obj");
+  const std::string command = "new --bones . --unit cm --symmetry none -o arm.ecorche --json";
+  REQUIRE(model.run(command).exitCode == 0);
+  REQUIRE(fs::exists(model.temp.path() / "arm-skin.obj"));
+  const auto again = model.run(command + " --force");
+  INFO(again.err << again.out);
+  REQUIRE(again.exitCode == 0);
+  const auto json = nlohmann::json::parse(again.out);
+  CHECK(json.at("bones") == 1);
+  CHECK(std::ranges::any_of(json.at("findings"),
+                            [](const auto& f) { return f.at("kind") == "made-skin"; }));
+  // Nor is that of another project; a file of such a name without a project is
+  REQUIRE(model.run("new --bones . --unit cm --symmetry none -o leg.ecorche").exitCode == 0);
+  CHECK(model::loadProject(model.temp.path() / "leg.ecorche").value().bones.size() == 1);
+  fs::remove(model.temp.path() / "arm.ecorche");
+  REQUIRE(model.run("new --bones . --unit cm --symmetry none -o rest.ecorche").exitCode == 0);
+  CHECK(model::loadProject(model.temp.path() / "rest.ecorche").value().bones.size() == 2);
+}
+
+TEST_CASE("parts of one name in one file are all there") {
+  Model model;
+  const auto solid = [](double x) {
+    const auto p = [&](int v) {
+      return fmt::format("{} {} {}", x + 0.01 * (v & 1), 0.01 * (v >> 1 & 1), 0.01 * (v >> 2));
+    };
+    std::string out = "solid rib\n";
+    for (const auto& [a, b, c] : {std::array{0, 2, 1}, {0, 1, 4}, {0, 4, 2}, {1, 2, 4}}) {
+      out += fmt::format("facet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\n"
+                         "endloop\nendfacet\n",
+                         p(a), p(b), p(c));
+    }
+    return out + "endsolid rib\n";
+  };
+  model.write("ribs.stl", solid(0) + solid(0.05) + solid(-0.05));
+  const auto run = model.run("new --skin meshes/skin.obj --bones ribs.stl --unit cm --symmetry none "
+                             "-o p.ecorche --json");
+  INFO(run.err);
+  REQUIRE(run.exitCode == 0);
+  const auto project = model::loadProject(model.temp.path() / "p.ecorche").value();
+  REQUIRE(project.bones.size() == 3);
+  CHECK(project.bones[1].name == "rib_2");
+  CHECK(project.bones[1].mesh.part == "rib_2");
+  // Each stands where its part does
+  const auto check = nlohmann::json::parse(model.run("check p.ecorche --json").out);
+  CHECK(check.at("meshes").size() == 4);
+  for (const auto& f : check.at("between")) CHECK(f.at("kind") != "within");
+}
+
 TEST_CASE("an interrupted command answers 130 and writes nothing") {
   Model model;
   REQUIRE(model.run(kNew + "-o p.ecorche").exitCode == 0);

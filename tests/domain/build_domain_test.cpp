@@ -72,6 +72,22 @@ TEST_CASE("a bone in a skin: a sound domain of the right volume and size") {
   CHECK_FALSE(built->report.fallback);
 }
 
+TEST_CASE("obstacles and cavities that are left out are not counted as bones") {
+  DomainInput input = ballInBall();
+  input.obstacles = {named(test::sphere({1, 0, 0}, 0.01, 2), "stone")};
+  input.cavities = {named(test::sphere({-1, 0, 0}, 0.01, 2), "sinus")};
+  const auto without = build(input, options(5000));
+  REQUIRE(without);
+  CHECK(without->report.bonesUsed == 1);
+  CHECK(without->report.bonesLeftOut == 0);
+
+  input.bones.push_back(named(test::sphere({0, 1, 0}, 0.01, 2), "far"));
+  const auto one = build(input, options(5000));
+  REQUIRE(one);
+  CHECK(one->report.bonesUsed == 1);
+  CHECK(one->report.bonesLeftOut == 1);
+}
+
 TEST_CASE("the same input gives the same domain to the last bit") {
   const auto a = build(ballInBall(), options(8000));
   const auto b = build(ballInBall(), options(8000));

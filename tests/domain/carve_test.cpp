@@ -1,4 +1,5 @@
 #include <ecorche/domain/carve.h>
+#include <ecorche/domain/pockets.h>
 #include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <support/shapes.h>
@@ -197,7 +198,7 @@ TEST_CASE(
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
-  CHECK(carved->leftOut == std::vector<std::string>{"left", "far"});
+  CHECK(carved->leftOut == std::vector<std::size_t>{0, 2});
   CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(32 - 0.5));
   REQUIRE(test::hasFinding(carved->findings, "outside-skin"));
 
@@ -223,4 +224,184 @@ TEST_CASE("nothing left of the skin is an error that names the plane") {
   REQUIRE_FALSE(carved);
   CHECK(carved.error().code == ErrorCode::EmptyDomain);
   CHECK(carved.error().message.find("too far") != std::string::npos);
+}
+
+TEST_CASE("a bone of several pieces is judged piece by piece") {
+  CarveInput input;
+  input.skin = test::box({0, 0, 0}, {4, 4, 4});
+  const auto inside = test::box({1, 1, 1}, {2, 2, 2});
+  const auto across = test::box({3, 1, 1}, {4.5, 2, 2});
+  const auto outside = test::box({8, 1, 1}, {9, 2, 2});
+  const auto pieces = [](const std::vector<mesh::SurfaceMesh>& list) {
+    return bone(mesh::joined(list, "hyoid"), "hyoid", 0);
+  };
+  const auto told = [](const Carved& carved, const char* kind) {
+    const auto found = std::ranges::find(carved.findings, kind, &Finding::kind);
+    return found == carved.findings.end() ? Finding{} : *found;
+  };
+  RunContext run;
+  for (const bool outsideFirst : {true, false}) {
+    INFO("outside first: " << outsideFirst);
+    input.holes = {pieces(outsideFirst ? std::vector{outside, inside}
+                                       : std::vector{inside, outside})};
+    const auto two = carve(input, kOptions, run);
+    REQUIRE(two);
+    CHECK(mesh::signedVolume(two->surface.V, two->surface.F) == Approx(64 - 1));
+    CHECK(two->leftOut.empty());
+    CHECK(told(*two, "outside-skin").message.find("1 of 2 pieces of \"hyoid\"") !=
+          std::string::npos);
+    CHECK(told(*two, "outside-skin").point->isApprox(Vector3(8.5, 1.5, 1.5)));
+    CHECK_FALSE(test::hasFinding(two->findings, "pokes-out"));
+
+    input.holes = {pieces(outsideFirst ? std::vector{outside, across}
+                                       : std::vector{across, outside})};
+    const auto crossing = carve(input, kOptions, run);
+    REQUIRE(crossing);
+    CHECK(mesh::signedVolume(crossing->surface.V, crossing->surface.F) == Approx(64 - 1));
+    CHECK(test::hasFinding(crossing->findings, "outside-skin"));
+    CHECK(told(*crossing, "pokes-out").size == Approx(0.5));
+  }
+  input.holes = {pieces({outside, test::box({8, 3, 1}, {9, 4, 2})})};
+  const auto none = carve(input, kOptions, run);
+  REQUIRE_FALSE(none);
+  CHECK(none.error().code == ErrorCode::BonesOutsideSkin);
+
+  // The piece that is beyond a cut plane goes without a word, the other stays
+  input.cutPlanes = {{"middle", {2.5, 0, 0}, {-1, 0, 0}}};
+  input.holes = {pieces({test::box({3, 1, 1}, {3.5, 2, 2}), inside})};
+  const auto cut = carve(input, kOptions, run);
+  REQUIRE(cut);
+  CHECK(mesh::signedVolume(cut->surface.V, cut->surface.F) == Approx(40 - 1));
+  CHECK(cut->findings.empty());
+  CHECK(cut->leftOut.empty());
+}
+
+TEST_CASE("a bone with one piece in another bone is united with that, whichever piece comes first") {
+  CarveInput input;
+  input.skin = test::box({0, 0, 0}, {4, 4, 4});
+  const auto alone = test::box({3, 3, 3}, {3.5, 3.5, 3.5});
+  const auto within = test::box({1.25, 1.25, 1.25}, {1.75, 1.75, 1.75});
+  RunContext run;
+  for (const bool aloneFirst : {true, false}) {
+    input.holes = {bone(test::box({1, 1, 1}, {2, 2, 2}), "outer", 0),
+                   bone(mesh::joined(aloneFirst ? std::vector{alone, within}
+                                                : std::vector{within, alone},
+                                     "two"),
+                        "two", 1)};
+    const auto carved = carve(input, kOptions, run);
+    REQUIRE(carved);
+    CHECK(test::hasFinding(carved->findings, "united"));
+    CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(64 - 1 - 0.125));
+  }
+}
+
+TEST_CASE("a bone that encloses one of two skins is not outside") {
+  CarveInput input;
+  input.skin = mesh::joined({test::box({0, 0, 0}, {1, 1, 1}), test::box({4, 0, 0}, {5, 1, 1})},
+                            "skin");
+  input.holes = {bone(test::box({-1, -1, -1}, {2, 2, 2}), "cap", 0)};
+  RunContext run;
+  const auto carved = carve(input, kOptions, run);
+  REQUIRE(carved);
+  CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(1));
+  CHECK(carved->leftOut.empty());
+}
+
+TEST_CASE("what pokes out beyond a cut plane is not told") {
+  CarveInput input;
+  input.skin = test::box({0, 0, 0}, {4, 4, 4});
+  input.holes = {bone(test::box({1, 1, 1}, {4.5, 2, 2}), "claw", 0)};
+  input.cutPlanes = {{"middle", {2, 0, 0}, {-1, 0, 0}}};
+  RunContext run;
+  const auto carved = carve(input, kOptions, run);
+  REQUIRE(carved);
+  CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(32 - 1));
+  CHECK(carved->findings.empty());
+
+  // Half of what pokes out is kept
+  input.cutPlanes = {{"low", {0, 1.5, 0}, {0, 1, 0}}};
+  const auto half = carve(input, kOptions, run);
+  REQUIRE(half);
+  REQUIRE(half->findings.size() == 1);
+  CHECK(half->findings[0].kind == "pokes-out");
+  CHECK(half->findings[0].size == Approx(0.25).epsilon(0.01));
+}
+
+TEST_CASE("what pokes out is told where it touches itself, too") {
+  // A gable whose ridge lies in the top of the bone: left and right of it the bone looks out, and
+  // the two wedges touch in the ridge
+  CarveInput input;
+  mesh::SurfaceMesh gable = test::box({0, 0, 0}, {4, 4, 2});
+  gable.V.conservativeResize(10, 3);
+  gable.V.bottomRows(2) << 2, 0, 4, 2, 4, 4;
+  gable.F.conservativeResize(16, 3);
+  // The box's top is its third and fourth face; the roof stands on its four edges
+  gable.F.row(2) << 4, 8, 6;
+  gable.F.row(3) << 8, 9, 6;
+  gable.F.bottomRows(4) << 5, 7, 8, 7, 9, 8, 4, 5, 8, 6, 9, 7;
+  input.skin = gable;
+  REQUIRE(mesh::isClosed(gable.F));
+  REQUIRE(mesh::isOriented(gable.F));
+  REQUIRE(mesh::signedVolume(gable.V, gable.F) == Approx(32 + 16));
+  input.holes = {bone(test::box({1, 1, 2.5}, {3, 3, 4}), "crest", 0)};
+  RunContext run;
+  const auto carved = carve(input, kOptions, run);
+  REQUIRE(carved);
+  const auto told = std::ranges::find(carved->findings, "pokes-out", &Finding::kind);
+  REQUIRE(told != carved->findings.end());
+  CHECK(told->size == Approx(2.0).epsilon(0.1));
+}
+
+TEST_CASE("the hollows of thousands of bones are found") {
+  // Bones on a grid in a box of skin, each hollow: the wall of the bone faces into it, that of the
+  // hollow out of it
+  constexpr int kSide = 20;
+  const auto skin = test::box({-1, -1, -1}, {3 * kSide, 3 * kSide, 3 * kSide});
+  const auto outer = test::box({0, 0, 0}, {1, 1, 1});
+  const auto inner = test::box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75});
+  constexpr int kCount = kSide * kSide * kSide;
+  TaggedSurface surface{mesh::Positions(8 * (1 + 2 * kCount), 3),
+                        mesh::Triangles(12 * (1 + 2 * kCount), 3), {}};
+  int next = 0;
+  const auto add = [&](const mesh::SurfaceMesh& box, const Vector3& at, bool turned,
+                       BoundaryTag tag) {
+    surface.V.middleRows(8 * next, 8) = box.V.rowwise() + at.transpose();
+    auto F = surface.F.middleRows(12 * next, 12);
+    F = box.F.array() + 8 * next;
+    if (turned) F.col(0).swap(F.col(1));
+    surface.tag.insert(surface.tag.end(), 12, packed(tag));
+    ++next;
+  };
+  add(skin, Vector3::Zero(), false, {BoundaryTag::Kind::Skin, 0});
+  for (int i = 0; i < kCount; ++i) {
+    const Vector3 at = 2.9 * Vector3(i % kSide, i / kSide % kSide, i / kSide / kSide);
+    add(outer, at, true, {BoundaryTag::Kind::Bone, i});
+    add(inner, at, false, {BoundaryTag::Kind::Bone, i});
+  }
+  const auto pockets = dropPockets(surface);
+  CHECK(pockets.size() == kCount);
+  CHECK(surface.F.rows() == 12 * (1 + kCount));
+  CHECK(mesh::signedVolume(surface.V, surface.F) ==
+        Approx(mesh::signedVolume(skin.V, skin.F) - kCount));
+}
+
+TEST_CASE("many bones that overlap are united; a cancel is heard") {
+  CarveInput input;
+  input.skin = test::box({-1, -1, -1}, {41, 2, 2});
+  for (int i = 0; i < 40; ++i) {
+    const double y = 0.1 * (i % 2);
+    input.holes.push_back(
+        bone(test::box({1.0 * i, y, 0}, {i + 1.2, y + 0.8, 1}), "v" + std::to_string(i), i));
+  }
+  RunContext run;
+  const auto carved = carve(input, kOptions, run);
+  REQUIRE(carved);
+  CHECK(carved->wrapCount == 0);
+  // 39 overlaps of 0.2 × 0.7 × 1
+  CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) ==
+        Approx(42.0 * 9 - (40 * 1.2 * 0.8 - 39 * 0.2 * 0.7)));
+  run.cancel();
+  const auto stopped = carve(input, kOptions, run);
+  REQUIRE_FALSE(stopped);
+  CHECK(stopped.error().code == ErrorCode::Cancelled);
 }

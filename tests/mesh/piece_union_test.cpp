@@ -26,8 +26,8 @@ TEST_CASE("pieces that lie upon one another: their union, where an outer hull gi
   for (int i = 0; i < 9; ++i)
     cubes.push_back(test::box({1.0 * i, 0.5 * (i % 2), 0}, {1.0 * i + 1, 0.5 * (i % 2) + 1, 1}));
   const SurfaceMesh row = together(cubes);
-  CHECK_FALSE(outerHull(row));
   RunContext run;
+  CHECK_FALSE(outerHull(row, run));
   const auto sum = pieceUnion(row, run);
   REQUIRE(sum);
   CHECK(isUncrossed(*sum));
@@ -43,7 +43,7 @@ TEST_CASE("the union of crossing pieces is their outer hull, in whatever order t
     for (int i = 0; i < 6; ++i)
       balls.push_back(test::sphere({place(random), place(random), place(random)}, 0.6, 2));
     RunContext run;
-    const auto hull = outerHull(together(balls));
+    const auto hull = outerHull(together(balls), run);
     const auto sum = pieceUnion(together(balls), run);
     std::ranges::reverse(balls);
     const auto reversed = pieceUnion(together(balls), run);

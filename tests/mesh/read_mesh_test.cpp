@@ -220,6 +220,17 @@ TEST_CASE("STL: text with several solids, odd case, and a binary file that calls
   CHECK(two->parts[0].name == "tibia");
   CHECK(two->parts[1].faceCount == 2);
 
+  // Exporters call every solid the same; each is a part that can be asked for
+  const std::string rib = "solid rib\n" + facet + "endsolid\n";
+  const auto ribs = readText("c.stl", rib + rib + "solid rib_2\n" + facet + "endsolid\n" + rib);
+  REQUIRE(ribs);
+  REQUIRE(ribs->parts.size() == 4);
+  CHECK(ribs->parts[0].name == "rib");
+  CHECK(ribs->parts[1].name == "rib_3");
+  CHECK(ribs->parts[2].name == "rib_2");
+  CHECK(ribs->parts[3].name == "rib_4");
+  CHECK(ribs->parts[3].firstFace == 3);
+
   std::string liar = stlBytes(test::box({0, 0, 0}, {1, 1, 1}));
   liar.replace(0, 11, "solid facet");
   CHECK(readText("liar.stl", liar)->F.rows() == 12);

@@ -252,3 +252,31 @@ TEST_CASE("mirrored leg bones face inward") {
   }
   CHECK(inward > 0);
 }
+
+TEST_CASE("a triangle on its own is no hole, and thousands of borders are no list") {
+  SurfaceMesh m = test::sphere({0, 0, 0}, 1, 3);
+  m.V.conservativeResize(m.V.rows() + 3, 3);
+  m.V.bottomRows(3) << 3, 3, 3, 3.5, 3, 3, 3, 3.5, 3;
+  const auto last = static_cast<std::int32_t>(m.V.rows());
+  m.F.conservativeResize(m.F.rows() + 1, 3);
+  m.F.bottomRows(1) << last - 3, last - 2, last - 1;
+  const SurfaceCheck stray = checkSurface(m);
+  REQUIRE(stray.holes.size() == 1);
+  CHECK(stray.components[std::size_t(stray.holes[0].piece)].faces == 1);
+  CHECK(std::ranges::count(stray.findings, "lone-face", &Finding::kind) == 1);
+  CHECK(std::ranges::count(stray.findings, "hole", &Finding::kind) == 0);
+
+  // Every second pair of faces apart from the rest
+  SurfaceMesh open = test::torus(3, 1, 60, 40);
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < open.F.rows(); ++f) {
+    if (f / 2 % 2 == 0 && f / 80 % 2 == 0) open.F.row(kept++) = open.F.row(f).eval();
+  }
+  open.F.conservativeResize(kept, 3);
+  const SurfaceCheck many = checkSurface(open);
+  CHECK(many.holes.size() > 100);
+  CHECK(many.findings.size() < 20);
+  CHECK(std::ranges::any_of(many.findings, [&](const Finding& f) {
+    return f.message.find(std::to_string(many.holes.size() - 8) + " more borders") == 0;
+  }));
+}

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <limits>
 #include <random>
 
 #include "support/paths.h"
@@ -259,7 +260,9 @@ TEST_CASE("nothing to repair, and vertices that are no numbers, are errors") {
   CHECK(repair(m).error().code == ErrorCode::MeshWithoutFaces);
   m = ball();
   m.V(3, 1) = std::nan("");
-  CHECK(repair(m).error().code == ErrorCode::NonFiniteVertex);
+  const auto nowhere = repair(m);
+  CHECK(nowhere.error().code == ErrorCode::NonFiniteVertex);
+  CHECK(nowhere.error().message.starts_with("\"sphere\": vertex 4 is ("));
   RunContext run;
   run.cancel();
   CHECK(repairSurface(unwelded(ball()), {}, run).error().code == ErrorCode::Cancelled);
@@ -349,6 +352,162 @@ TEST_CASE("a bag of doubled faces on the outside of a surface is not taken for a
   // Box and tent are one solid now: the face between them bounds nothing
   CHECK(repaired(*r, "inner-wall"));
   CHECK(volumeOf(r->mesh) == Approx(1.0 + 1.0 / 3.0));
+}
+
+TEST_CASE("walls inside go, however many there are and wherever they meet") {
+  const auto all = [](int x, int y, int z) { return 1 + x + 100 * (y + 100 * z); };
+  const RepairOptions skin{.mustClose = true};
+  for (const auto& [nx, ny, nz] : {std::array{2, 1, 1}, {3, 1, 1}, {100, 1, 1}, {5, 4, 3}}) {
+    INFO(nx << " × " << ny << " × " << nz);
+    const auto r = repair(test::rooms(nx, ny, nz, all), skin);
+    checkWhole(r, nx * ny * nz);
+    CHECK(repaired(*r, "inner-wall"));
+    CHECK(r->mesh.F.rows() == 4 * (nx * ny + ny * nz + nz * nx));
+  }
+  SECTION("inside out") {
+    SurfaceMesh m = test::rooms(4, 2, 1, all);
+    m.F.col(0).swap(m.F.col(1));
+    checkWhole(repair(m, skin), 8);
+  }
+  SECTION("walls around a hollow; the hollow stays") {
+    const auto shell = [&](int x, int y, int z) {
+      return x == 1 && y == 1 && z == 1 ? 0 : all(x, y, z);
+    };
+    const auto r = repair(test::rooms(3, 3, 3, shell), skin);
+    checkWhole(r, 26);
+    CHECK(checkSurface(r->mesh).components.size() == 2);
+  }
+  SECTION("with a face missing in the skin, another in a wall") {
+    SurfaceMesh m = test::rooms(12, 2, 2, [](int x, int, int) { return 1 + x / 4; });
+    Eigen::Index outer = -1;
+    Eigen::Index wall = -1;
+    for (Eigen::Index f = 0; f < m.F.rows(); ++f) {
+      const Vector3 middle =
+          (m.V.row(m.F(f, 0)) + m.V.row(m.F(f, 1)) + m.V.row(m.F(f, 2))).transpose() / 3;
+      if (middle.x() == 4) wall = f;
+      if (middle.z() == 2 && middle.x() > 5 && middle.x() < 6) outer = f;
+    }
+    REQUIRE(wall >= 0);
+    REQUIRE(outer >= 0);
+    dropFace(m, std::max(outer, wall));
+    dropFace(m, std::min(outer, wall));
+    const auto r = repair(m, skin);
+    checkWhole(r, 48);
+    CHECK(repaired(*r, "hole"));
+  }
+  SECTION("where the skin itself looks both ways nothing goes") {
+    SurfaceMesh m = test::rooms(3, 1, 1, all);
+    for (Eigen::Index f = 0; f < m.F.rows(); ++f) {
+      const auto x = [&](int k) { return m.V(m.F(f, k), 0); };
+      if (std::max({x(0), x(1), x(2)}) <= 1 && std::min({x(0), x(1), x(2)}) < 1)
+        std::swap(m.F(f, 0), m.F(f, 1));
+    }
+    const auto r = repair(m);
+    REQUIRE(r);
+    CHECK_FALSE(repaired(*r, "inner-wall"));
+  }
+}
+
+TEST_CASE("a triangle on its own is no hole: it is not filled, and the way out is another one") {
+  const auto withStray = [](SurfaceMesh m) {
+    const auto first = static_cast<std::int32_t>(m.V.rows());
+    m.V.conservativeResize(first + 3, 3);
+    m.V.bottomRows(3) << 3, 3, 3, 3.5, 3, 3, 3, 3.5, 3;
+    addFace(m, first, first + 1, first + 2);
+    return m;
+  };
+  for (const double holeRel : {0.05, 0.5, std::numeric_limits<double>::infinity()}) {
+    const auto bone = repair(withStray(ball()), {.holeRel = holeRel});
+    REQUIRE(bone);
+    CHECK_FALSE(repaired(*bone, "hole"));
+    CHECK(checkSurface(bone->mesh).holes.size() == 1);
+    const auto skin = repair(withStray(ball()), {.holeRel = holeRel, .mustClose = true});
+    REQUIRE_FALSE(skin);
+    CHECK(skin.error().code == ErrorCode::SkinNotClosed);
+    CHECK(skin.error().message.find("triangle that hangs together with nothing") !=
+          std::string::npos);
+    CHECK(skin.error().message.find("fill-holes") == std::string::npos);
+    CHECK(skin.error().place.point->isApprox(Vector3(3.25, 3.25, 3), 1e-9));
+  }
+}
+
+TEST_CASE("a crack all around is told as one, with its width; a hole beside others is not") {
+  // The upper half of a ball lifted off the lower one
+  SurfaceMesh m = unwelded(ball());
+  for (Eigen::Index f = 0; f < m.F.rows(); ++f) {
+    double middle = 0.0;
+    for (int k = 0; k < 3; ++k) middle += m.V(m.F(f, k), 2) / 3;
+    if (middle > 0.3) {
+      for (int k = 0; k < 3; ++k) m.V(m.F(f, k), 2) += 0.004;
+    }
+  }
+  const auto cracked = repair(m, {.mustClose = true});
+  REQUIRE_FALSE(cracked);
+  CHECK(cracked.error().code == ErrorCode::SkinNotClosed);
+  CHECK(cracked.error().message.find("up to 4 mm apart") != std::string::npos);
+  CHECK(cracked.error().message.find("merge vertices by that distance") != std::string::npos);
+  CHECK(cracked.error().message.find("fill-holes") == std::string::npos);
+
+  SurfaceMesh open = joined({ball(), ball()}, "two");
+  open.parts.clear();
+  open.V.bottomRows(ball().V.rows()).col(0).array() += 5.0;
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < open.F.rows(); ++f) {
+    if (open.V(open.F(f, 0), 2) < 0.9) open.F.row(kept++) = open.F.row(f).eval();
+  }
+  open.F.conservativeResize(kept, 3);
+  const auto holes = repair(open, {.mustClose = true});
+  REQUIRE_FALSE(holes);
+  CHECK(holes.error().message.find("fill-holes") != std::string::npos);
+}
+
+TEST_CASE("twenty thousand pieces are told apart, and those inside out turned") {
+  // Small pyramids on a grid: closed, closed and inside out, open
+  constexpr int kSide = 27;
+  const SurfaceMesh box = test::box({0, 0, 0}, {1, 1, 1});
+  Triangles pyramid(4, 3);
+  pyramid << 0, 2, 1, 0, 1, 4, 0, 4, 2, 1, 2, 4;
+  SurfaceMesh m;
+  m.name = "crowd";
+  m.V.resize(8 * kSide * kSide * kSide, 3);
+  m.F.resize(4 * kSide * kSide * kSide, 3);
+  Eigen::Index faces = 0;
+  double volume = 0.0;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const Vector3 at = 2.0 * Vector3(i % kSide, i / kSide % kSide, i / kSide / kSide);
+    m.V.middleRows(8 * i, 8) = box.V.rowwise() + at.transpose();
+    const int kind = i % 3;
+    for (int f = 0; f < (kind == 2 ? 3 : 4); ++f) {
+      m.F.row(faces) = pyramid.row(f).array() + 8 * i;
+      if (kind == 1) std::swap(m.F(faces, 0), m.F(faces, 1));
+      ++faces;
+    }
+    if (kind != 2) volume += 1.0 / 6.0;
+  }
+  m.F.conservativeResize(faces, 3);
+  const auto r = repair(m, {.holeRel = 0});
+  REQUIRE(r);
+  CHECK(repaired(*r, "inward"));
+  double closed = 0.0;
+  for (const auto& piece : checkSurface(r->mesh).components) {
+    CHECK_FALSE(piece.inward);
+    if (piece.closed) closed += piece.volume;
+  }
+  CHECK(closed == Approx(volume));
+}
+
+TEST_CASE("cracks close although something lies far away") {
+  // Far away makes the tolerance large; what decides is the length of the border's edges
+  SurfaceMesh cracked = unwelded(test::sphere({0, 0, 0}, 1, 5));
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> shake(-3e-6, 3e-6);
+  for (auto& x : cracked.V.reshaped()) x += shake(random);
+  SurfaceMesh m = joined({cracked, test::box({1e5, 0, 0}, {1.00000001e5, 1, 1})}, "far");
+  m.parts.clear();
+  const auto r = repair(m, {.speckRel = 0});
+  REQUIRE(r);
+  CHECK(checkSurface(r->mesh).isSound());
+  CHECK(checkSurface(r->mesh).components.size() == 2);
 }
 
 TEST_CASE("the dog's bones are repaired, doubled ones too, and lose nothing") {

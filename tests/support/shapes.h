@@ -2,10 +2,12 @@
 
 #include <ecorche/mesh/surface_mesh.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 namespace ecorche::test {
 
@@ -56,6 +58,54 @@ inline mesh::SurfaceMesh sphere(const mesh::Vector3& centre, double radius, int 
   }
   m.F.resize(Eigen::Index(F.size()), 3);
   for (std::size_t f = 0; f < F.size(); ++f) m.F.row(Eigen::Index(f)) << F[f][0], F[f][1], F[f][2];
+  return m;
+}
+
+/// The walls of rooms made of unit cubes, each wall once, corners shared: walls of what is no room
+/// face out of the rooms, those between two rooms look along an axis.
+/// @param roomAt  the room that the cube at x, y, z belongs to; 0: none
+template <class RoomAt>
+mesh::SurfaceMesh rooms(int nx, int ny, int nz, const RoomAt& roomAt) {
+  const std::array<int, 3> n{nx, ny, nz};
+  std::map<std::array<int, 3>, int> number;
+  std::vector<std::array<int, 3>> faces;
+  const auto room = [&](const std::array<int, 3>& c) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (c[k] < 0 || c[k] >= n[k]) return 0;
+    }
+    return roomAt(c[0], c[1], c[2]);
+  };
+  const auto wall = [&](const std::array<int, 3>& cell, std::size_t axis) {
+    std::array<int, 3> before = cell;
+    --before[axis];
+    const int behind = room(before), ahead = room(cell);
+    if (behind == ahead) return;
+    // Counter-clockwise for one who looks against the axis
+    std::array<int, 4> corner{};
+    for (int k = 0; k < 4; ++k) {
+      std::array<int, 3> at = cell;
+      at[(axis + 1) % 3] += k == 1 || k == 2;
+      at[(axis + 2) % 3] += k >= 2;
+      corner[std::size_t(k)] = number.try_emplace(at, int(number.size())).first->second;
+    }
+    if (behind == 0) std::swap(corner[1], corner[3]);
+    faces.push_back({corner[0], corner[1], corner[2]});
+    faces.push_back({corner[0], corner[2], corner[3]});
+  };
+  for (int x = 0; x <= nx; ++x) {
+    for (int y = 0; y <= ny; ++y) {
+      for (int z = 0; z <= nz; ++z) {
+        for (std::size_t axis = 0; axis < 3; ++axis) wall({x, y, z}, axis);
+      }
+    }
+  }
+  mesh::SurfaceMesh m;
+  m.name = "rooms";
+  m.V.resize(Eigen::Index(number.size()), 3);
+  for (const auto& [at, v] : number) m.V.row(v) << at[0], at[1], at[2];
+  m.F.resize(Eigen::Index(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    m.F.row(Eigen::Index(f)) << faces[f][0], faces[f][1], faces[f][2];
   return m;
 }
 

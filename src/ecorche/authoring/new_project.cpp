@@ -23,7 +23,24 @@ using mesh::Vector3;
 
 namespace {
 
-Result<std::vector<fs::path>> boneFiles(const NewProjectRequest& request) {
+/// Where the skin goes that is laid around the bones.
+fs::path madeSkinFile(const fs::path& project) {
+  return project.parent_path() / (project.stem().string() + "-skin.obj");
+}
+
+/// A skin that was laid around the bones, of this project to be or of one beside the file.
+bool isMadeSkin(const fs::path& file, const fs::path& target) {
+  std::error_code error;
+  if (fs::equivalent(file, madeSkinFile(target), error)) return true;
+  const std::string name = file.filename().string();
+  const std::string end = "-skin.obj";
+  if (!name.ends_with(end)) return false;
+  const std::string project = name.substr(0, name.size() - end.size()) + ".ecorche";
+  return fs::exists(file.parent_path() / project, error);
+}
+
+/// @param findings  gets a note for what is in a folder and no bone
+Result<std::vector<fs::path>> boneFiles(const NewProjectRequest& request, Findings& findings) {
   std::vector<fs::path> out;
   for (const fs::path& each : request.bones) {
     std::error_code error;
@@ -34,8 +51,19 @@ Result<std::vector<fs::path>> boneFiles(const NewProjectRequest& request) {
     std::vector<fs::path> inFolder;
     for (const auto& entry : fs::directory_iterator(each, error)) {
       if (!entry.is_regular_file(error) || !mesh::isMeshFile(entry.path())) continue;
-      if (request.skin.empty() || !fs::equivalent(entry.path(), request.skin, error))
+      if (!request.skin.empty() && fs::equivalent(entry.path(), request.skin, error)) continue;
+      if (!isMadeSkin(entry.path(), request.target)) {
         inFolder.push_back(entry.path());
+        continue;
+      }
+      const std::string name = entry.path().filename().string();
+      findings.push_back(
+          {.severity = Severity::Note,
+           .kind = "made-skin",
+           .object = name,
+           .message = fmt::format("{} was laid around bones by this program, so it is taken for "
+                                  "none; name the file itself if it is one",
+                                  name)});
     }
     if (error && inFolder.empty()) {
       return fail(ErrorCode::FileNotReadable, "this folder cannot be read",
@@ -58,8 +86,8 @@ struct NamedMesh {
 };
 
 Result<std::vector<NamedMesh>> readBones(const NewProjectRequest& request, const fs::path& folder,
-                                         RunContext& run) {
-  const auto files = boneFiles(request);
+                                         Findings& findings, RunContext& run) {
+  const auto files = boneFiles(request, findings);
   if (!files) return passOn(files);
   const mesh::ReadOptions options{model::metresPer(request.unit)};
   std::vector<NamedMesh> out;
@@ -135,7 +163,7 @@ Result<mesh::SurfaceMesh> findSkin(const NewProjectRequest& request,
   const double distance = request.skinOffset.value_or(kSkinOffsetRel * box.diagonal());
   auto skin = offsetSkin(meshes, distance, run);
   if (!skin) return skin;
-  out.skinFile = request.target.parent_path() / (request.target.stem().string() + "-skin.obj");
+  out.skinFile = madeSkinFile(request.target);
   out.project.skin = {model::pathFrom(out.project.folder, out.skinFile), "", {}};
   if (request.unit != model::Unit::Metre) out.project.skin.unit = model::Unit::Metre;
   out.madeSkin = *skin;
@@ -320,7 +348,7 @@ Result<NewProject> newProject(const NewProjectRequest& request, RunContext& run)
   out.project.folder = request.target.parent_path();
   out.project.name = request.target.stem().string();
   out.project.unit = request.unit;
-  const auto bones = readBones(request, out.project.folder, run);
+  const auto bones = readBones(request, out.project.folder, out.findings, run);
   if (!bones) return passOn(bones);
   const auto skin = findSkin(request, *bones, out, run);
   if (!skin) return passOn(skin);

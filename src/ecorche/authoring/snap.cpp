@@ -1,6 +1,8 @@
 #include <ecorche/authoring/snap.h>
 #include <ecorche/mesh/surface_check.h>
 
+#include <algorithm>
+
 namespace ecorche::authoring {
 
 using mesh::Vector3;
@@ -20,8 +22,11 @@ BoneSurface boneSurface(std::string name, const mesh::SurfaceMesh& mesh) {
   const mesh::SurfaceCheck check = mesh::checkSurface(mesh);
   BoneSurface out{std::move(name), mesh::boundingBox(mesh),
                   std::make_shared<mesh::SurfaceQuery>(mesh), nullptr};
-  // Winding numbers bear edges with four faces, but doubled faces may cancel each other
-  if (check.borderEdges == 0 && check.inconsistentEdges == 0 && check.duplicateFaces == 0)
+  // Winding numbers bear edges with four faces, but no sheets inside, whose edges have three, and
+  // doubled faces may cancel each other
+  const bool closed = !check.components.empty() &&
+                      std::ranges::all_of(check.components, &mesh::SurfaceCheck::Component::closed);
+  if (closed && check.inconsistentEdges == 0 && check.duplicateFaces == 0)
     out.solid = out.surface;
   return out;
 }

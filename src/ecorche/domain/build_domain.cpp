@@ -142,8 +142,9 @@ Result<DomainBuild> buildDomain(const DomainInput& input, const DomainOptions& o
   out.report.findings.insert(out.report.findings.end(), carved->findings.begin(),
                              carved->findings.end());
   out.report.wraps = carved->wrapCount;
-  const auto leftOut = static_cast<std::int64_t>(carved->leftOut.size());
-  out.report.bonesLeftOut = std::min(leftOut, prepared->bones);
+  out.report.bonesLeftOut = std::ranges::count_if(carved->leftOut, [&](std::size_t hole) {
+    return prepared->carve.holes[hole].tag.kind == BoundaryTag::Kind::Bone;
+  });
   out.report.bonesUsed = prepared->bones - out.report.bonesLeftOut;
 
   // Sizing: lengths wanted by curves and gaps, all scaled to the budget

@@ -1,4 +1,7 @@
-#include <CGAL/Polygon_mesh_processing/intersection.h>
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <ecorche/domain/bodies.h>
@@ -7,13 +10,16 @@
 #include <ecorche/domain/pockets.h>
 #include <ecorche/domain/tagged_corefinement.h>
 #include <ecorche/mesh/surface_check.h>
+#include <ecorche/mesh/surface_contact.h>
 #include <ecorche/mesh/tips.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace ecorche::domain {
 
@@ -21,6 +27,8 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 using Inside = CGAL::Side_of_triangle_mesh<TaggedMesh, mesh::CgalKernel>;
+using Tree = CGAL::AABB_tree<
+    CGAL::AABB_traits<mesh::CgalKernel, CGAL::AABB_face_graph_triangle_primitive<TaggedMesh>>>;
 
 constexpr double kHairShare = 0.02;  // of the wrap tolerance
 
@@ -48,6 +56,17 @@ bool beyondCutPlane(const mesh::SurfaceMesh& mesh, const CutPlane& plane) {
   }
   return true;
 }
+
+mesh::Vector3 toVector(const mesh::CgalKernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Where the pieces of a body are.
+struct Whereabouts {
+  std::vector<char> kept;  // #pieces: inside the skin or across it, and not beyond a cut plane
+  bool crosses = false;    // some piece meets the skin
+  std::int64_t outside = 0;
+  mesh::Vector3 place = mesh::Vector3::Zero();  // of the largest outside
+  double extent = 0.0;                          // of that [m]
+};
 
 /// Bones of the midline have walls that a symmetry plane runs along within rounding, and cutting
 /// there leaves films that no resampling can keep apart. So what reaches no farther than a hair
@@ -139,12 +158,52 @@ class Carver {
     }
   }
 
+  /// Piece by piece: one outside says nothing about the others.
+  [[nodiscard]] Whereabouts whereabouts(const TaggedMesh& mesh, const MeshPieces& pieces,
+                                        const Tree& skinTree, const Inside& insideSkin) const {
+    Whereabouts out;
+    for (const auto& faces : pieces.faces) {
+      mesh::Box box;
+      bool crosses = false;
+      std::vector<char> beyond(input_.cutPlanes.size(), 1);
+      for (const auto f : faces) {
+        std::array<mesh::CgalKernel::Point_3, 3> corner;
+        auto next = corner.begin();
+        for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
+          *next = mesh.point(v);
+          const mesh::Vector3 p = toVector(*next++);
+          box.add(p);
+          for (std::size_t k = 0; k < beyond.size(); ++k) {
+            const CutPlane& plane = input_.cutPlanes[k];
+            if (plane.normal.dot(p - plane.point) > 0.0) beyond[k] = 0;
+          }
+        }
+        crosses = crosses || skinTree.do_intersect(
+                                 mesh::CgalKernel::Triangle_3(corner[0], corner[1], corner[2]));
+      }
+      const bool cutAway = std::ranges::find(beyond, 1) != beyond.end();
+      const auto first = mesh.point(mesh.target(mesh.halfedge(faces.front())));
+      const bool inside = crosses || insideSkin(first) != CGAL::ON_UNBOUNDED_SIDE;
+      out.kept.push_back(inside && !cutAway);
+      out.crosses = out.crosses || (crosses && !cutAway);
+      if (inside || cutAway) continue;
+      ++out.outside;
+      if (box.diagonal() <= out.extent) continue;
+      out.extent = box.diagonal();
+      out.place = box.centre();
+    }
+    return out;
+  }
+
   /// Leaves out what lies beyond a cut plane or outside the skin, and measures what pokes out.
   Result<void> gatherHoles() {
-    const Inside insideSkin(skin_);
+    const Tree skinTree(skin_.faces().begin(), skin_.faces().end(), skin_);
+    const Inside insideSkin(skinTree);
+    const auto skinPoints = pointsOfPieces(skin_);
     int boneCount = 0;
     std::vector<const Hole*> outside;  // bones
-    for (const Hole& hole : input_.holes) {
+    for (std::size_t h = 0; h < input_.holes.size(); ++h) {
+      const Hole& hole = input_.holes[h];
       if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
       const bool beyond = std::ranges::any_of(input_.cutPlanes, [&](const CutPlane& plane) {
         return beyondCutPlane(hole.mesh, plane);
@@ -152,32 +211,41 @@ class Carver {
       const bool bone = hole.tag.kind == BoundaryTag::Kind::Bone;
       boneCount += bone;
       if (beyond) {
-        out_.leftOut.push_back(hole.name);
+        out_.leftOut.push_back(h);
         continue;
       }
       auto gathered = bodyOf(hole, options_.wrapTolerance, run_);
       if (!gathered) return passOn(gathered);
       const TaggedMesh& mesh = gathered->mesh;
-      const bool crosses = PMP::do_intersect(mesh, skin_);
-      const auto first = mesh.point(*mesh.vertices().begin());
-      if (!crosses && insideSkin(first) == CGAL::ON_UNBOUNDED_SIDE) {
+      const MeshPieces pieces = piecesOf(mesh);
+      Whereabouts where = whereabouts(mesh, pieces, skinTree, insideSkin);
+      if (where.outside > 0) {
         // Around the skin is not outside it
-        const auto skinPoint = skin_.point(*skin_.vertices().begin());
-        if (Inside(mesh)(skinPoint) == CGAL::ON_BOUNDED_SIDE) {
+        const Inside insideBody(mesh);
+        const auto held = std::ranges::count_if(skinPoints, [&](const auto& p) {
+          return insideBody(p) == CGAL::ON_BOUNDED_SIDE;
+        });
+        if (held == std::ssize(skinPoints) && !where.crosses) {
           return fail(ErrorCode::EmptyDomain,
                       fmt::format("\"{}\" encloses the whole skin, so nothing is left of it; check "
                                   "the units and the frame of both",
                                   hole.name),
                       {.object = hole.name, .point = anyPoint(mesh)});
         }
-        if (bone) outside.push_back(&hole);
-        out_.leftOut.push_back(hole.name);
-        note(Severity::Warning, "outside-skin", hole.name,
-             fmt::format("\"{}\" lies outside the skin and was left out", hole.name),
-             anyPoint(mesh));
+        if (held > 0) {
+          std::ranges::fill(where.kept, 1);
+          where.outside = 0;
+        }
+      }
+      if (where.outside > 0) noteOutside(hole, where);
+      if (std::ranges::find(where.kept, 1) == where.kept.end()) {
+        if (bone && where.outside > 0) outside.push_back(&hole);
+        out_.leftOut.push_back(h);
         continue;
       }
-      if (crosses) reportPokingOut(hole, mesh);
+      if (std::ranges::find(where.kept, 0) != where.kept.end())
+        gathered->mesh = keepPieces(std::move(gathered->mesh), pieces, where.kept);
+      if (where.crosses) reportPokingOut(hole, mesh);
       bodies_.push_back(std::move(*gathered));
     }
     if (boneCount > 0 && std::ssize(outside) == boneCount) {
@@ -197,19 +265,57 @@ class Carver {
     return {};
   }
 
-  void reportPokingOut(const Hole& hole, const TaggedMesh& mesh) {
-    TaggedMesh outside = mesh;
-    const double whole = CGAL::to_double(PMP::volume(outside));
-    double volume = 0.0;
-    if (combine(outside, skin_, Operation::Difference)) {
-      volume = CGAL::to_double(PMP::volume(outside));
+  void noteOutside(const Hole& hole, const Whereabouts& where) {
+    const bool all = where.outside == std::ssize(where.kept);
+    note(Severity::Warning, "outside-skin", hole.name,
+         all ? fmt::format("\"{}\" lies outside the skin and was left out", hole.name)
+             : fmt::format("{} of {} pieces of \"{}\" lie outside the skin and were left out, up to "
+                           "{:.3g} m across",
+                           where.outside, where.kept.size(), hole.name, where.extent),
+         where.place, all ? 0.0 : where.extent);
+  }
+
+  /// What of the body is neither in the skin nor beyond a cut plane; nothing where the exact way is
+  /// barred.
+  [[nodiscard]] std::optional<TaggedMesh> outsideOf(const TaggedMesh& body) const {
+    TaggedMesh out = body;
+    if (!combine(out, skin_, Operation::Difference)) return std::nullopt;
+    for (const CutPlane& plane : input_.cutPlanes) {
+      if (out.number_of_faces() == 0) break;
+      const auto p = PMP::bbox(out);
+      mesh::Box around = box_;
+      around.add(mesh::Vector3(p.xmin(), p.ymin(), p.zmin()));
+      around.add(mesh::Vector3(p.xmax(), p.ymax(), p.zmax()));
+      if (!combine(out, halfSpace(plane, 0, around), Operation::Intersection)) return std::nullopt;
     }
-    if (volume <= 0.0 || outside.number_of_vertices() == 0) return;
-    note(Severity::Repaired, "pokes-out", hole.name,
-         fmt::format(
-             "\"{}\" reaches out of the skin with {:.3g} cm³ of its {:.3g} cm³; cut off there",
-             hole.name, volume * 1e6, whole * 1e6),
-         anyPoint(outside), volume);
+    return out;
+  }
+
+  void reportPokingOut(const Hole& hole, const TaggedMesh& mesh) {
+    const double whole = CGAL::to_double(PMP::volume(mesh));
+    const auto tell = [&](double volume, const char* about, const mesh::Vector3& place) {
+      note(Severity::Repaired, "pokes-out", hole.name,
+           fmt::format("\"{}\" reaches out of the skin with {}{:.3g} cm³ of its {:.3g} cm³; cut off "
+                       "there",
+                       hole.name, about, volume * 1e6, whole * 1e6),
+           place, volume);
+    };
+    if (const auto outside = outsideOf(mesh)) {
+      const double volume = CGAL::to_double(PMP::volume(*outside));
+      if (volume > 0.0 && outside->number_of_vertices() > 0) tell(volume, "", anyPoint(*outside));
+      return;
+    }
+    // Walls that touch in edges or corners bar the exact way: points of a lattice are counted
+    TaggedMesh copy = mesh;
+    const TaggedSurface body = fromCgal(copy);
+    const mesh::SurfaceMesh plain{.name = hole.name, .V = body.V, .F = body.F};
+    const auto out = mesh::pokingOut(
+        mesh::ContactBody(plain), mesh::ContactBody(input_.skin), [&](const mesh::Vector3& p) {
+          return std::ranges::all_of(input_.cutPlanes, [&](const CutPlane& plane) {
+            return plane.normal.dot(p - plane.point) > 0.0;
+          });
+        });
+    if (out) tell(out->volume, "about ", out->place);
   }
 
   Result<void> cutAtPlanes() {
@@ -276,25 +382,30 @@ class Carver {
     if (bodies_.empty()) return {};
     auto bodies = unitedBodies(std::move(bodies_), options_.wrapTolerance, run_);
     if (!bodies) return passOn(bodies);
-    TaggedMesh all = bodies->front().mesh;
-    for (std::size_t b = 1; b < bodies->size(); ++b) all += (*bodies)[b].mesh;
     for (const Body& body : *bodies) noteBody(body);
-    if (combine(skin_, all, Operation::Difference)) return {};
+    return takeOut(*bodies);
+  }
 
-    // Something in there defeats the exact way: take bodies out one at a time and wrap the culprits
-    for (const Body& body : *bodies) {
-      if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
-      if (combine(skin_, body.mesh, Operation::Difference)) continue;
-      auto wrapped = wrapBody(body.holes, options_.wrapTolerance, run_);
-      if (!wrapped) return passOn(wrapped);
-      noteWrap(body.holes, wrapped->mesh);
-      if (!combine(skin_, wrapped->mesh, Operation::Difference)) {
-        return fail(ErrorCode::MeshNotRepairable,
-                    fmt::format("{} cannot be taken out of the skin", namesOf(body.holes)),
-                    {.object = body.holes.front()->name, .point = anyPoint(wrapped->mesh)});
-      }
+  /// All at once. Where something in there defeats the exact way, one half and then the other, down
+  /// to the culprits, which are wrapped.
+  Result<void> takeOut(std::span<const Body> bodies) {
+    if (run_.cancelled()) return fail(ErrorCode::Cancelled, "carving the domain");
+    TaggedMesh all = bodies.front().mesh;
+    for (const Body& body : bodies.subspan(1)) all += body.mesh;
+    if (combine(skin_, all, Operation::Difference)) return {};
+    if (bodies.size() > 1) {
+      const std::size_t half = bodies.size() / 2;
+      if (auto first = takeOut(bodies.first(half)); !first) return first;
+      return takeOut(bodies.subspan(half));
     }
-    return {};
+    const Body& body = bodies.front();
+    auto wrapped = wrapBody(body.holes, options_.wrapTolerance, run_);
+    if (!wrapped) return passOn(wrapped);
+    noteWrap(body.holes, wrapped->mesh);
+    if (combine(skin_, wrapped->mesh, Operation::Difference)) return {};
+    return fail(ErrorCode::MeshNotRepairable,
+                fmt::format("{} cannot be taken out of the skin", namesOf(body.holes)),
+                {.object = body.holes.front()->name, .point = anyPoint(wrapped->mesh)});
   }
 
   const CarveInput& input_;

@@ -37,14 +37,18 @@ struct Carved {
   std::vector<std::size_t>
       wrapped;        ///< places in CarveInput::holes of those that had to be wrapped, ascending
   int wrapCount = 0;  ///< clusters that had to be wrapped
-  std::vector<std::string> leftOut;  ///< holes beyond a cut plane or outside the skin
+  /// Places in CarveInput::holes of those that lie beyond a cut plane or outside the skin with all
+  /// their pieces, ascending.
+  std::vector<std::size_t> leftOut;
 };
 
 /// Skin minus holes, on the kept side of every cut plane.
 ///
 /// Holes that touch or overlap are united first, exactly where that works and by an alpha wrap
 /// [Portaneri et al. 2022] where it does not (open, self-intersecting or just touching meshes).
-/// What reaches out of the skin is cut off there and reported with its volume. Every face keeps the
+/// Pieces of holes beyond a cut plane or outside the skin are left out, the latter with a word.
+/// What reaches out of the skin on the kept side is cut off there and reported with its volume.
+/// Every face keeps the
 /// tag of the input face it is a piece of; faces of a wrap take the tag of the closest hole.
 /// Vertices of cut faces lie on their plane up to the rounding of one projection (exactly where the
 /// normal is an axis).

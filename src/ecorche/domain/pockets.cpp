@@ -1,9 +1,9 @@
 #include <ecorche/domain/pockets.h>
-#include <ecorche/mesh/surface_query.h>
+#include <ecorche/mesh/nesting.h>
 #include <ecorche/mesh/surface_topology.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <optional>
 
 namespace ecorche::domain {
 
@@ -14,7 +14,6 @@ struct Piece {
   mesh::Box box;
   bool skin = false;
   std::vector<Eigen::Index> faces;
-  std::optional<mesh::SurfaceQuery> query;
 };
 
 std::vector<Piece> piecesOf(const TaggedSurface& surface, const mesh::FaceComponents& labels) {
@@ -27,15 +26,15 @@ std::vector<Piece> piecesOf(const TaggedSurface& surface, const mesh::FaceCompon
     for (int k = 0; k < 3; ++k) piece.box.add(surface.V.row(surface.F(f, k)).transpose());
   }
   for (Piece& piece : out) {
-    const mesh::Triangles F = surface.F(piece.faces, Eigen::all);
-    piece.volume = mesh::signedVolume(surface.V.rowwise() - piece.box.centre().transpose(), F);
+    const mesh::Vector3 centre = piece.box.centre();
+    for (const Eigen::Index f : piece.faces) {
+      const auto corner = [&](int k) -> mesh::Vector3 {
+        return surface.V.row(surface.F(f, k)).transpose() - centre;
+      };
+      piece.volume += corner(0).dot(corner(1).cross(corner(2))) / 6.0;
+    }
   }
   return out;
-}
-
-bool around(const mesh::Box& outer, const mesh::Box& inner) {
-  return (outer.lo.array() <= inner.lo.array()).all() &&
-         (outer.hi.array() >= inner.hi.array()).all();
 }
 
 }  // namespace
@@ -49,27 +48,22 @@ std::vector<Pocket> dropPockets(TaggedSurface& surface) {
   if (!any) return {};
 
   // What is no domain belongs to the smallest part around it
-  const auto holds = [&](Piece& outer, const Piece& inner) {
-    if (!around(outer.box, inner.box)) return false;
-    if (!outer.query) {
-      const mesh::Triangles F = surface.F(outer.faces, Eigen::all);
-      outer.query.emplace(surface.V, F);
-    }
-    return outer.query->inside(surface.V.row(surface.F(inner.faces.front(), 0)).transpose());
-  };
+  std::vector<char> isPart(pieces.size());
+  std::vector<char> isNone(pieces.size());
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    isPart[p] = outward(p);
+    isNone[p] = !outward(p);
+  }
+  const auto heldBy = mesh::holders(surface.V, surface.F, labels, isPart, isNone);
   std::vector<std::size_t> home(pieces.size());
   std::vector<double> volume(pieces.size());  // of parts, without what is no domain in them
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     home[i] = i;
-    if (outward(i)) {
-      volume[i] += pieces[i].volume;
-      continue;
+    for (const std::int32_t holder : heldBy[i]) {
+      const auto o = static_cast<std::size_t>(holder);
+      if (home[i] == i || pieces[o].volume < pieces[home[i]].volume) home[i] = o;
     }
-    for (std::size_t o = 0; o < pieces.size(); ++o) {
-      const bool smaller = home[i] == i || pieces[o].volume < pieces[home[i]].volume;
-      if (outward(o) && smaller && holds(pieces[o], pieces[i])) home[i] = o;
-    }
-    if (home[i] != i) volume[home[i]] += pieces[i].volume;
+    if (outward(i) || home[i] != i) volume[home[i]] += pieces[i].volume;
   }
   double largest = 0.0;
   for (std::size_t p = 0; p < pieces.size(); ++p) {

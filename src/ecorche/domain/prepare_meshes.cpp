@@ -6,9 +6,11 @@
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_repair.h>
+#include <ecorche/mesh/surface_topology.h>
 #include <ecorche/mesh/thin_out.h>
 #include <ecorche/mesh/uncross.h>
 #include <ecorche/mesh/unit_check.h>
+#include <ecorche/mesh/winding_above.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -49,20 +51,13 @@ Nested nestedShells(const mesh::SurfaceMesh& mesh, const mesh::SurfaceCheck& che
   if (check.components.size() < 2) return out;
   const mesh::SurfaceQuery query(mesh);
   const double hair = 1e-9 * mesh::boundingBox(mesh).diagonal();
-  for (const auto& piece : check.components) {
+  const auto speaker = mesh::largestFaces(mesh, mesh::components(mesh.F));
+  for (std::size_t p = 0; p < check.components.size(); ++p) {
+    const auto& piece = check.components[p];
     if (!piece.closed || piece.inward) continue;
-    // Half-way to what is met above one of its faces, the surface should not wind around anything
-    const Vector3 a = mesh.V.row(mesh.F(piece.firstFace, 0)).transpose();
-    const Vector3 b = mesh.V.row(mesh.F(piece.firstFace, 1)).transpose();
-    const Vector3 c = mesh.V.row(mesh.F(piece.firstFace, 2)).transpose();
-    const Vector3 normal = (b - a).cross(c - a).normalized();
-    const Vector3 middle = (a + b + c) / 3.0;
-    for (const auto& hit : query.allHits(middle, normal)) {
-      if (hit.t <= hair) continue;
-      if (query.windingNumber(middle + 0.5 * hit.t * normal).value_or(0) > 0 && out.count++ == 0)
-        out.place = middle;
-      break;
-    }
+    // Just above its faces the surface should not wind around anything
+    if (mesh::windingAbove(query, mesh, speaker[p], hair).value_or(0) > 0 && out.count++ == 0)
+      out.place = mesh.V.row(mesh.F(speaker[p], 0)).transpose();
   }
   return out;
 }
@@ -88,7 +83,7 @@ bool takeWhatItEncloses(mesh::RepairedSurface& surface, double allowed, RunConte
   if (crossings.empty()) {
     const Nested nested = nestedShells(mesh, check);
     if (nested.count == 0) return true;
-    auto hull = mesh::outerHull(mesh);
+    auto hull = mesh::outerHull(mesh, run);
     tell(hull ? Severity::Repaired : Severity::Warning, "inner-shell",
          fmt::format("\"{}\" has {} closed pieces within others; {}", mesh.name, nested.count,
                      hull ? "what is outermost was kept" : "they could not be taken out"),
@@ -102,7 +97,7 @@ bool takeWhatItEncloses(mesh::RepairedSurface& surface, double allowed, RunConte
       fmt::format("\"{}\" cuts itself in {} pairs of faces; ", mesh.name, crossings.size());
   const Vector3 place = mesh.V.row(mesh.F(crossings.front().first, 0)).transpose();
   const std::int64_t count = std::ssize(crossings);
-  auto hull = mesh::outerHull(mesh);
+  auto hull = mesh::outerHull(mesh, run);
   if (!hull) hull = mesh::pieceUnion(mesh, run);
   if (hull) {
     tell(Severity::Repaired, "self-intersections",

@@ -1,4 +1,5 @@
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/boost/graph/Euler_operations.h>
 #include <ecorche/domain/tagged_corefinement.h>
 
 #include <Eigen/Geometry>
@@ -115,6 +116,46 @@ TaggedMesh halfSpace(const CutPlane& plane, std::int32_t tag, const mesh::Box& a
     tags[face] = tag;
   }
   return box;
+}
+
+MeshPieces piecesOf(const TaggedMesh& mesh) {
+  MeshPieces out;
+  out.label.assign(mesh.num_faces(), -1);
+  std::vector<TaggedMesh::Face_index> open;
+  for (const auto seed : mesh.faces()) {
+    if (out.label[seed.idx()] >= 0) continue;
+    const auto piece = static_cast<std::int32_t>(out.faces.size());
+    auto& own = out.faces.emplace_back();
+    out.label[seed.idx()] = piece;
+    open.push_back(seed);
+    while (!open.empty()) {
+      const auto f = open.back();
+      open.pop_back();
+      own.push_back(f);
+      for (const auto g : mesh.faces_around_face(mesh.halfedge(f))) {
+        if (g == TaggedMesh::null_face() || out.label[g.idx()] >= 0) continue;
+        out.label[g.idx()] = piece;
+        open.push_back(g);
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<Point> pointsOfPieces(const TaggedMesh& mesh) {
+  std::vector<Point> out;
+  for (const auto& faces : piecesOf(mesh).faces)
+    out.push_back(mesh.point(mesh.target(mesh.halfedge(faces.front()))));
+  return out;
+}
+
+TaggedMesh keepPieces(TaggedMesh mesh, const MeshPieces& pieces, const std::vector<char>& kept) {
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    if (kept[p] != 0) continue;
+    for (const auto f : pieces.faces[p]) CGAL::Euler::remove_face(mesh.halfedge(f), mesh);
+  }
+  mesh.collect_garbage();
+  return mesh;
 }
 
 mesh::Vector3 anyPoint(const TaggedMesh& mesh) {

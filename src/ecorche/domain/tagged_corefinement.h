@@ -3,7 +3,9 @@
 #include <ecorche/domain/tagged_surface.h>
 #include <ecorche/mesh/cgal_surface.h>
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace ecorche::domain {
 
@@ -30,6 +32,18 @@ bool combine(TaggedMesh& a, const TaggedMesh& b, Operation operation);
 /// @param plane  its normal of length 1
 [[nodiscard]] TaggedMesh halfSpace(const CutPlane& plane, std::int32_t tag,
                                    const mesh::Box& around);
+
+/// Pieces of a mesh that hang together by edges.
+struct MeshPieces {
+  std::vector<std::int32_t> label;                       ///< by face index, from 0
+  std::vector<std::vector<TaggedMesh::Face_index>> faces;  ///< of each piece
+};
+[[nodiscard]] MeshPieces piecesOf(const TaggedMesh& mesh);
+/// A vertex of every piece.
+[[nodiscard]] std::vector<mesh::CgalKernel::Point_3> pointsOfPieces(const TaggedMesh& mesh);
+/// The mesh without pieces for which `kept` is 0.
+[[nodiscard]] TaggedMesh keepPieces(TaggedMesh mesh, const MeshPieces& pieces,
+                                    const std::vector<char>& kept);
 
 /// Some point of a mesh that has one.
 [[nodiscard]] mesh::Vector3 anyPoint(const TaggedMesh& mesh);

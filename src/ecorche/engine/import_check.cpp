@@ -22,7 +22,7 @@ struct Remedy {
   std::string_view kind;
   std::string_view text;
 };
-constexpr std::array<Remedy, 14> kRemedies{{
+constexpr std::array<Remedy, 17> kRemedies{{
     {"unused-vertices", "build leaves them out"},
     {"duplicate-vertices", "build merges them"},
     {"degenerate-faces", "build takes them out"},
@@ -32,6 +32,9 @@ constexpr std::array<Remedy, 14> kRemedies{{
     {"inconsistent-orientation", "build makes neighbours agree"},
     {"inward", "build turns it outward, or takes it for the wall of a hollow in another piece"},
     {"components", "none needed"},
+    {"lone-face", "build wraps the mesh with it; delete it where the mesh was made"},
+    {"t-junctions", "build closes the seam"},
+    {"non-manifold", "build takes the pieces apart there"},
     {"crack", "build closes it"},
     {"speck", "build drops them"},
     {"inner-wall", "build drops it"},
@@ -48,6 +51,10 @@ std::string remedyOf(const Finding& finding, MeshRole role, bool closes) {
       return "build refuses the skin: close it, or ask for \"repair\": \"fill-holes\" or \"wrap\"";
     }
     return "build wraps the mesh; \"repair\": \"fill-holes\" keeps its shape and caps the hole";
+  }
+  if (finding.kind == "lone-face" && role == MeshRole::Skin) {
+    return "build refuses the skin: delete the triangle where the mesh was made, or ask for "
+           "\"repair\": \"wrap\"";
   }
   if (finding.kind == "self-intersections") {
     return "build takes what it encloses where that is certain; else \"repair\": \"wrap\" or "
@@ -102,8 +109,9 @@ Finding contactFinding(const mesh::SurfaceContact& contact, const std::string& a
 
 class Between {
  public:
-  Between(const ProjectMeshes& meshes, double tolerance, RunContext& run)
-      : meshes_(meshes), tolerance_(tolerance), run_(run) {}
+  Between(const ProjectMeshes& meshes, const std::vector<domain::CutPlane>& cutPlanes,
+          double tolerance, RunContext& run)
+      : meshes_(meshes), cutPlanes_(cutPlanes), tolerance_(tolerance), run_(run) {}
 
   Findings operator()() {
     for (const mesh::UnitMismatch& mismatch : mesh::unitMismatches(meshes_.skin, meshes_.bones)) {
@@ -130,12 +138,17 @@ class Between {
 
  private:
   void againstSkin(const mesh::ContactBody& skin, const std::vector<mesh::ContactBody>& bodies) {
+    const auto isKept = [&](const mesh::Vector3& p) {
+      return std::ranges::all_of(cutPlanes_, [&](const domain::CutPlane& plane) {
+        return plane.normal.dot(p - plane.point) > 0.0;
+      });
+    };
     std::vector<std::optional<mesh::PokingOut>> out(bodies.size());
     parallelFor(
         std::ssize(bodies),
         [&](std::int64_t i) {
           const auto k = static_cast<std::size_t>(i);
-          if (!run_.cancelled()) out[k] = mesh::pokingOut(bodies[k], skin);
+          if (!run_.cancelled()) out[k] = mesh::pokingOut(bodies[k], skin, isKept);
         },
         1);
     for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -185,6 +198,7 @@ class Between {
   }
 
   const ProjectMeshes& meshes_;
+  const std::vector<domain::CutPlane>& cutPlanes_;
   double tolerance_;
   RunContext& run_;
   Findings out_;
@@ -235,7 +249,8 @@ Result<MeshLook> lookAtMesh(const mesh::SurfaceMesh& mesh, MeshRole role, RunCon
     for (const Finding& finding : prepared->surface.findings) {
       if (!has(out.findings, finding.kind)) out.findings.push_back(finding);
     }
-  } else if (!has(out.findings, "hole") && !has(out.findings, "non-finite-vertex")) {
+  } else if (!has(out.findings, "hole") && !has(out.findings, "lone-face") &&
+             !has(out.findings, "non-finite-vertex")) {
     out.findings.push_back({.severity = Severity::Error,
                             .kind = "refused",
                             .object = mesh.name,
@@ -246,13 +261,16 @@ Result<MeshLook> lookAtMesh(const mesh::SurfaceMesh& mesh, MeshRole role, RunCon
   for (Finding& finding : out.findings) {
     if (finding.remedy.empty()) finding.remedy = remedyOf(finding, role, closes);
     if (finding.severity == Severity::Repaired) finding.severity = Severity::Warning;
-    if (finding.kind == "hole" && role == MeshRole::Skin && !closes)
+    const bool open = finding.kind == "hole" || finding.kind == "lone-face";
+    if (open && role == MeshRole::Skin && !closes)
       finding.severity = Severity::Error;
   }
   return out;
 }
 
-Result<ImportCheck> checkImport(const ProjectMeshes& meshes, double tolerance, RunContext& run) {
+Result<ImportCheck> checkImport(const ProjectMeshes& meshes,
+                                const std::vector<domain::CutPlane>& cutPlanes, double tolerance,
+                                RunContext& run) {
   const Stage stage(run, "check meshes");
   struct Task {
     const mesh::SurfaceMesh* mesh;
@@ -278,7 +296,7 @@ Result<ImportCheck> checkImport(const ProjectMeshes& meshes, double tolerance, R
     out.meshes.push_back(std::move(*look));
   }
   // Distances to what is no number are none
-  if (finite) out.between = Between(meshes, tolerance, run)();
+  if (finite) out.between = Between(meshes, cutPlanes, tolerance, run)();
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "checking meshes was interrupted");
   return out;
 }

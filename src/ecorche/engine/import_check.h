@@ -45,9 +45,11 @@ struct ImportCheck {
                                           RunContext& run);
 
 /// Looks at every mesh and at what stands between them.
-/// @param tolerance  how near two bones may come without being told [share of the skin's diagonal]
+/// @param cutPlanes  what they cut away is not looked at where it reaches out of the skin
+/// @param tolerance   how near two bones may come without being told [share of the skin's diagonal]
 /// @errors Cancelled
-[[nodiscard]] Result<ImportCheck> checkImport(const ProjectMeshes& meshes, double tolerance,
-                                              RunContext& run);
+[[nodiscard]] Result<ImportCheck> checkImport(const ProjectMeshes& meshes,
+                                              const std::vector<domain::CutPlane>& cutPlanes,
+                                              double tolerance, RunContext& run);
 
 }  // namespace ecorche::engine

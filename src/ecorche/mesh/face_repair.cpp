@@ -1,5 +1,6 @@
 #include <ecorche/mesh/disjoint_sets.h>
 #include <ecorche/mesh/face_repair.h>
+#include <ecorche/mesh/nesting.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_topology.h>
@@ -30,7 +31,7 @@ void renumber(LabelledFaces& faces, const std::vector<std::int32_t>& fresh) {
   faces.F = faces.F.unaryExpr([&](std::int32_t v) { return fresh[index(v)]; }).eval();
 }
 
-// Cells of a grid as wide as the tolerance; what is closer than that is in neighbouring cells.
+// Cells of a grid; what is closer than a cell's width is in neighbouring cells.
 using Cell = std::array<std::int64_t, 3>;
 struct CellHash {
   std::size_t operator()(const Cell& c) const {
@@ -121,16 +122,34 @@ StepReport weldBorders(LabelledFaces& faces, double tolerance) {
     }
   }
 
+  // Of two the one with less reach decides. Those with much come first, and cells shrink with the
+  // reach: a vertex far away, which makes the tolerance large, does not put all others into one.
+  std::vector<std::pair<double, std::int32_t>> byReach;
+  for (const auto& [v, r] : reach) {
+    if (r > 0.0) byReach.emplace_back(r, v);
+  }
+  std::ranges::sort(byReach, [](const auto& x, const auto& y) {
+    return x.first != y.first ? x.first > y.first : x.second < y.second;
+  });
   std::unordered_map<Cell, std::vector<std::int32_t>, CellHash> grid;
+  double width = tolerance;
+  const double narrowest = 1e-12 * tolerance;  // cells are counted in 64 bits
   const Vector3 origin = reach.empty() ? Vector3::Zero() : at(faces, reach.begin()->first);
   const auto cellOf = [&](const Vector3& p) {
     Cell c;
     for (int k = 0; k < 3; ++k)
-      c[index(k)] = static_cast<std::int64_t>(std::floor((p[k] - origin[k]) / tolerance));
+      c[index(k)] = static_cast<std::int64_t>(std::floor((p[k] - origin[k]) / width));
     return c;
   };
   DisjointSets sets(index(faces.V.rows()));
-  for (const auto& [v, r] : reach) {
+  for (std::size_t i = 0; i < byReach.size(); ++i) {
+    const auto [r, v] = byReach[i];
+    if (r < 0.25 * width && width > narrowest) {
+      width = std::max(r, narrowest);
+      grid.clear();
+      for (std::size_t j = 0; j < i; ++j)
+        grid[cellOf(at(faces, byReach[j].second))].push_back(byReach[j].second);
+    }
     const Vector3 p = at(faces, v);
     const Cell home = cellOf(p);
     for (int n = 0; n < 27; ++n) {
@@ -139,7 +158,7 @@ StepReport weldBorders(LabelledFaces& faces, double tolerance) {
       if (near == grid.end()) continue;
       for (const std::int32_t w : near->second) {
         const double gap = (at(faces, w) - p).norm();
-        if (gap > std::min(r, reach.at(w)) || sets.root(v) == sets.root(w)) continue;
+        if (gap > r || sets.root(v) == sets.root(w)) continue;
         sets.unite(v, w);
         report.see(p, gap);
       }
@@ -274,54 +293,47 @@ StepReport dropSpecks(LabelledFaces& faces, double extent) {
 
 StepReport orientOutward(LabelledFaces& faces) {
   StepReport report;
-  SurfaceMesh mesh;
-  mesh.V = faces.V;
-  mesh.F = faces.F;
   const FaceComponents pieces = components(faces.F);
-  const auto check = checkSurface(mesh).components;
-  const auto facesOf = [&](std::size_t piece) {
-    Triangles F(check[piece].faces, 3);
-    Eigen::Index next = 0;
-    for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
-      if (pieces.label[index(f)] == static_cast<std::int32_t>(piece))
-        F.row(next++) = faces.F.row(f);
-    }
-    return F;
-  };
-  const auto around = [](const Box& outer, const Box& inner) {
-    return (outer.lo.array() <= inner.lo.array()).all() &&
-           (outer.hi.array() >= inner.hi.array()).all() && outer.diagonal() > inner.diagonal();
-  };
-
-  // Closed pieces that lie inside others go the way of the outermost; a vertex tells
+  const auto check = checkSurface({.V = faces.V, .F = faces.F}).components;
   std::vector<char> turned(check.size(), 0);
-  const bool anyInward = std::ranges::any_of(check, [](const auto& c) { return c.inward; });
-  if (anyInward) {
+  std::vector<char> closed(check.size(), 0);
+  for (std::size_t p = 0; p < check.size(); ++p) {
+    closed[p] = check[p].closed;
+    turned[p] = check[p].closed && check[p].inward;
+  }
+
+  // Closed pieces that lie inside others go the way of the outermost
+  if (std::ranges::any_of(check, &SurfaceCheck::Component::inward)) {
+    const auto heldBy = holders(faces.V, faces.F, pieces, closed, closed);
+    const auto size = [&](std::size_t p) { return check[p].box.diagonal(); };
     std::vector<std::size_t> bySize(check.size());
     std::iota(bySize.begin(), bySize.end(), std::size_t{0});
-    std::ranges::stable_sort(bySize, std::greater{},
-                             [&](std::size_t p) { return check[p].box.diagonal(); });
+    std::ranges::stable_sort(bySize, std::greater{}, size);
     std::vector<char> nested(check.size(), 0);
-    for (const std::size_t outer : bySize) {
-      if (nested[outer] != 0 || !check[outer].closed) continue;
-      if (check[outer].inward) turned[outer] = 1;
-      std::optional<SurfaceQuery> query;
-      for (const std::size_t inner : bySize) {
-        if (inner == outer || nested[inner] != 0 || !check[inner].closed) continue;
-        if (!around(check[outer].box, check[inner].box)) continue;
-        if (!query) query.emplace(faces.V, facesOf(outer));
-        if (query->windingNumber(at(faces, faces.F(check[inner].firstFace, 0))).value_or(0) == 0)
-          continue;
-        nested[inner] = 1;
-        turned[inner] = turned[outer];
+    for (const std::size_t inner : bySize) {
+      std::optional<std::size_t> outer;
+      for (const std::int32_t holder : heldBy[inner]) {
+        const std::size_t h = index(holder);
+        if (nested[h] == 0 && size(h) > size(inner) && (!outer || size(h) > size(*outer)))
+          outer = h;
       }
+      if (!outer) continue;
+      nested[inner] = 1;
+      turned[inner] = turned[*outer];
     }
   }
+  const auto own = facesByPiece(pieces);
   for (std::size_t p = 0; p < check.size(); ++p) {
     if (!check[p].closed) {
-      const Triangles F = facesOf(p);
-      turned[p] = signedVolume(faces.V.rowwise() - check[p].box.centre().transpose(), F) <
-                  -0.02 * std::pow(check[p].area, 1.5);
+      const Vector3 centre = check[p].box.centre();
+      double volume = 0.0;
+      for (const Eigen::Index f : own[p]) {
+        const auto [a, b, c] = std::array{Vector3(at(faces, faces.F(f, 0)) - centre),
+                                          Vector3(at(faces, faces.F(f, 1)) - centre),
+                                          Vector3(at(faces, faces.F(f, 2)) - centre)};
+        volume += a.dot(b.cross(c)) / 6.0;
+      }
+      turned[p] = volume < -0.02 * std::pow(check[p].area, 1.5);
     }
     if (turned[p] != 0) report.see(check[p].box.centre(), std::abs(check[p].volume));
   }

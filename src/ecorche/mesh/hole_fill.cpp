@@ -64,6 +64,13 @@ StepReport dropFlat(Mesh& mesh) {
   return report;
 }
 
+/// The border of a triangle that hangs together with nothing: filling it doubles it.
+bool isLoneFace(const Mesh& mesh, Mesh::Halfedge_index border) {
+  const auto across = [&](Mesh::Halfedge_index h) { return mesh.face(mesh.opposite(h)); };
+  const auto next = mesh.next(border);
+  return mesh.next(mesh.next(next)) == border && across(border) == across(next);
+}
+
 StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
   StepReport report;
   std::vector<Mesh::Halfedge_index> cycles;
@@ -78,6 +85,7 @@ StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
   }
   for (const auto border : cycles) {
     if (run.cancelled()) return report;
+    if (isLoneFace(mesh, border)) continue;
     Box box;
     std::size_t edges = 0;
     for (const auto h : mesh.halfedges_around_face(border)) {
@@ -85,10 +93,7 @@ StepReport fillHoles(Mesh& mesh, double holeRel, RunContext& run) {
       ++edges;
     }
     const double whole = boxes[piece[mesh.face(mesh.opposite(border))]].diagonal();
-    // The fewer its edges, the surer that a face or two are missing
-    constexpr double kFew = 20.0;
-    if (box.diagonal() > std::max(1.0, kFew / static_cast<double>(edges)) * holeRel * whole)
-      continue;
+    if (!isSmallHole(box.diagonal(), edges, whole, holeRel)) continue;
     // The exhaustive search takes the cube of the border's length
     std::vector<Mesh::Face_index> patch;
     PMP::triangulate_hole(mesh, border, std::back_inserter(patch),
@@ -140,6 +145,12 @@ ManifoldReport process(LabelledFaces& faces, double holeRel, RunContext& run) {
 }
 
 }  // namespace
+
+bool isSmallHole(double extent, std::size_t edges, double whole, double holeRel) {
+  // The fewer its edges, the surer that a face or two are missing
+  constexpr double kFew = 20.0;
+  return extent <= std::max(1.0, kFew / static_cast<double>(edges)) * holeRel * whole;
+}
 
 Result<ManifoldReport> makeManifold(LabelledFaces& faces, double holeRel, RunContext& run) {
   try {

@@ -63,7 +63,8 @@ class Mender {
  private:
   Result<RepairedSurface> outermost(const RepairedSurface& closed) {
     const double before = signedVolume(closed.mesh.V, closed.mesh.F);
-    auto hull = outerHull(allOutward(closed.mesh));
+    auto hull = outerHull(allOutward(closed.mesh), run_);
+    if (run_.cancelled()) return fail(ErrorCode::Cancelled, "mending was interrupted");
     if (!hull) {
       return fail(ErrorCode::MeshNotRepairable,
                   fmt::format("\"{}\" has no exact outer hull (faces lie upon one another); ask "

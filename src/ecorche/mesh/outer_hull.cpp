@@ -8,11 +8,10 @@
 #include <ecorche/mesh/surface_topology.h>
 #include <ecorche/mesh/tips.h>
 #include <ecorche/mesh/weld.h>
+#include <ecorche/mesh/winding_above.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
-#include <map>
 #include <vector>
 
 namespace ecorche::mesh {
@@ -48,44 +47,44 @@ bool liesUponItself(const SurfaceMesh& mesh) {
   });
 }
 
-/// How often the surface winds around what lies just above a face: half-way to what is met next.
-std::optional<int> windingAbove(const SurfaceQuery& query, const SurfaceMesh& mesh, Eigen::Index f,
-                                double hair) {
-  const Vector3 a = mesh.V.row(mesh.F(f, 0)).transpose();
-  const Vector3 b = mesh.V.row(mesh.F(f, 1)).transpose();
-  const Vector3 c = mesh.V.row(mesh.F(f, 2)).transpose();
-  const Vector3 normal = (b - a).cross(c - a).normalized();
-  const Vector3 middle = (a + b + c) / 3.0;
-  for (const SurfaceQuery::Hit& hit : query.allHits(middle, normal)) {
-    if (hit.t > hair) return query.windingNumber(middle + 0.5 * hit.t * normal);
+/// Faces between crossings nearer than doubles can tell have a vertex twice once these are one, and
+/// their neighbours meet without them.
+void dropCollapsed(Triangles& F) {
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < F.rows(); ++f) {
+    if (F(f, 0) == F(f, 1) || F(f, 1) == F(f, 2) || F(f, 2) == F(f, 0)) continue;
+    F.row(count++) = F.row(f).eval();
   }
-  return 0;
+  F.conservativeResize(count, 3);
 }
 
 /// Where a fold ends in a vertex, two tips touch in it: each gets a vertex of its own.
 void splitTips(SurfaceMesh& mesh) {
   const VertexFans fans = vertexFans(mesh.F, surfaceEdges(mesh.F));
-  for (const std::int32_t tip : fans.nonManifoldVertices) {
-    std::map<std::int32_t, std::int32_t> copyOfFan;
-    for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-      for (int k = 0; k < 3; ++k) {
-        if (mesh.F(f, k) != tip) continue;
-        const auto [copy, fresh] =
-            copyOfFan.try_emplace(fans.fanOfCorner[static_cast<std::size_t>(3 * f + k)],
-                                  static_cast<std::int32_t>(mesh.V.rows()));
-        if (fresh) {
-          mesh.V.conservativeResize(mesh.V.rows() + 1, 3);
-          mesh.V.row(copy->second) = mesh.V.row(tip);
-        }
-        mesh.F(f, k) = copy->second;
+  const auto& tips = fans.nonManifoldVertices;
+  std::vector<std::int32_t> copyOfFan(static_cast<std::size_t>(fans.count), -1);
+  std::vector<std::int32_t> original;
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t tip = mesh.F(f, k);
+      if (!std::ranges::binary_search(tips, tip)) continue;
+      std::int32_t& copy = copyOfFan[static_cast<std::size_t>(
+          fans.fanOfCorner[static_cast<std::size_t>(3 * f + k)])];
+      if (copy < 0) {
+        copy = static_cast<std::int32_t>(mesh.V.rows() + std::ssize(original));
+        original.push_back(tip);
       }
+      mesh.F(f, k) = copy;
     }
   }
+  const Positions copies = mesh.V(original, Eigen::all);
+  mesh.V.conservativeResize(mesh.V.rows() + copies.rows(), 3);
+  mesh.V.bottomRows(copies.rows()) = copies;
 }
 
 }  // namespace
 
-std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
+std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh, RunContext& run) {
   auto surface = toCgal(mesh);
   if (!surface || liesUponItself(mesh)) return std::nullopt;
   try {
@@ -94,29 +93,18 @@ std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh) {
     return std::nullopt;  // faces upon one another
   }
   SurfaceMesh refined = weldExact(fromCgal(*surface, mesh.name));
+  dropCollapsed(refined.F);
 
   const FaceComponents patches = patchesOf(refined.F);
   const auto patchOf = [&](Eigen::Index f) {
     return static_cast<std::size_t>(patches.label[static_cast<std::size_t>(f)]);
   };
-  // The largest face speaks for its patch
-  std::vector<double> largest(static_cast<std::size_t>(patches.count), -1.0);
-  std::vector<Eigen::Index> speaker(largest.size(), 0);
-  for (Eigen::Index f = 0; f < refined.F.rows(); ++f) {
-    const Vector3 a = refined.V.row(refined.F(f, 0)).transpose();
-    const Vector3 b = refined.V.row(refined.F(f, 1)).transpose();
-    const Vector3 c = refined.V.row(refined.F(f, 2)).transpose();
-    const double area = (b - a).cross(c - a).norm();
-    const std::size_t p = patchOf(f);
-    if (area > largest[p]) {
-      largest[p] = area;
-      speaker[p] = f;
-    }
-  }
+  const std::vector<Eigen::Index> speaker = largestFaces(refined, patches);
   const SurfaceQuery query(mesh);
   const double hair = 1e-9 * boundingBox(mesh).diagonal();
-  std::vector<char> kept(largest.size(), 0);
+  std::vector<char> kept(speaker.size(), 0);
   for (std::size_t p = 0; p < kept.size(); ++p) {
+    if (run.cancelled()) return std::nullopt;
     const auto winding = windingAbove(query, refined, speaker[p], hair);
     if (!winding) return std::nullopt;
     // Below its face the surface winds once more than above

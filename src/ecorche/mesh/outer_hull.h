@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ecorche/core/run_context.h>
 #include <ecorche/mesh/surface_mesh.h>
 
 #include <optional>
@@ -13,7 +14,8 @@ namespace ecorche::mesh {
 ///
 /// @param mesh  sound (see SurfaceCheck), outward
 /// @return  sound and free of self-intersections, `parts` dropped; nothing where the exact way is
-///          barred (faces upon one another, parts that touch in an edge)
-[[nodiscard]] std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh);
+///          barred (faces upon one another, parts that touch in an edge, patches between crossings
+///          too small for doubles), and after a cancel
+[[nodiscard]] std::optional<SurfaceMesh> outerHull(const SurfaceMesh& mesh, RunContext& run);
 
 }  // namespace ecorche::mesh

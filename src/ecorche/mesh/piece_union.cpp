@@ -14,14 +14,31 @@ namespace ecorche::mesh {
 
 namespace {
 
+/// Each with vertices of its own, in the order in which its faces name them.
 std::vector<SurfaceMesh> piecesOf(const SurfaceMesh& mesh) {
   const FaceComponents all = components(mesh.F);
   std::vector<std::vector<Eigen::Index>> faces(static_cast<std::size_t>(all.count));
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
     faces[static_cast<std::size_t>(all.label[static_cast<std::size_t>(f)])].push_back(f);
   std::vector<SurfaceMesh> out;
-  for (const auto& own : faces)
-    out.push_back(compacted({.V = mesh.V, .F = mesh.F(own, Eigen::all)}));
+  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.V.rows()), -1);
+  for (const auto& own : faces) {
+    SurfaceMesh piece;
+    piece.F = mesh.F(own, Eigen::all);
+    std::vector<std::int32_t> used;
+    for (auto& v : piece.F.reshaped()) {
+      std::int32_t& fresh = number[static_cast<std::size_t>(v)];
+      if (fresh < 0) {
+        fresh = static_cast<std::int32_t>(used.size());
+        used.push_back(v);
+      }
+      v = fresh;
+    }
+    piece.V = mesh.V(used, Eigen::all);
+    // Pieces that touch in a vertex share it
+    for (const std::int32_t v : used) number[static_cast<std::size_t>(v)] = -1;
+    out.push_back(std::move(piece));
+  }
   return out;
 }
 
@@ -63,9 +80,10 @@ std::optional<SurfaceMesh> pieceUnion(const SurfaceMesh& mesh, RunContext& run) 
   std::vector<SurfaceMesh> pieces = piecesOf(mesh);
   if (pieces.size() < 2) return std::nullopt;
   for (SurfaceMesh& piece : pieces) {
+    if (run.cancelled()) return std::nullopt;
     if (signedVolume(piece.V, piece.F) <= 0.0) return std::nullopt;
     if (selfIntersections(piece.V, piece.F).empty()) continue;
-    auto hull = outerHull(piece);
+    auto hull = outerHull(piece, run);
     if (!hull) return std::nullopt;
     piece = std::move(*hull);
   }

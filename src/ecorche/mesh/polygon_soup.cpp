@@ -187,15 +187,17 @@ SurfaceMesh triangulated(const PolygonSoup& soup) {
   mesh.F.resize(static_cast<Eigen::Index>(soup.corners.size() - 2 * count), 3);
   std::vector<Vector3> polygon;
   Eigen::Index f = 0;
+  std::int32_t last = -1;  // part
   for (const std::int32_t p : order) {
     const std::int32_t* corner = soup.corners.data() + first[static_cast<std::size_t>(p)];
     const std::int32_t n = soup.size[static_cast<std::size_t>(p)];
     if (!soup.part.empty()) {
-      const std::string& name =
-          soup.partNames[static_cast<std::size_t>(soup.part[static_cast<std::size_t>(p)])];
-      if (mesh.parts.empty() || mesh.parts.back().name != name) {
-        mesh.parts.push_back({name, static_cast<std::int32_t>(f), 0});
+      const std::int32_t part = soup.part[static_cast<std::size_t>(p)];
+      if (part != last) {
+        mesh.parts.push_back({soup.partNames[static_cast<std::size_t>(part)],
+                              static_cast<std::int32_t>(f), 0});
       }
+      last = part;
       mesh.parts.back().faceCount += n - 2;
     }
     if (n == 3) {

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <set>
 
 namespace ecorche::mesh {
 
@@ -89,6 +90,21 @@ Result<SurfaceMesh> readThroughWorker(const fs::path& file, RunContext& run) {
   return weldExact(*mesh);
 }
 
+/// Parts are asked for by name: those without one get one, later ones of the same are numbered.
+void tellPartsApart(std::vector<Part>& parts) {
+  std::set<std::string> given;
+  for (const Part& part : parts) given.insert(part.name);
+  std::set<std::string> taken;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::string& name = parts[p].name;
+    if (name.empty()) name = fmt::format("part {}", p + 1);
+    const std::string stem = name;
+    for (int k = 2; taken.contains(name) || (name != stem && given.contains(name)); ++k)
+      name = fmt::format("{}_{}", stem, k);
+    taken.insert(name);
+  }
+}
+
 }  // namespace
 
 Result<MeshFormat> meshFormat(std::string_view bytes, const fs::path& file) {
@@ -146,6 +162,7 @@ Result<SurfaceMesh> readMesh(const fs::path& file, const ReadOptions& options, R
   }();
   if (!mesh) return mesh;
   mesh->name = file.stem().string();
+  tellPartsApart(mesh->parts);
   mesh->V *= options.metresPerUnit;
   if (!mesh->V.allFinite()) {
     return fail(ErrorCode::NonFiniteVertex, "the coordinates are too large for this unit",

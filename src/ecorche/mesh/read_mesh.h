@@ -25,7 +25,7 @@ struct ReadOptions {
 ///
 /// @return  valid indices, finite coordinates [m], named after the file; OBJ objects or groups,
 /// ASCII STL solids and
-///          glTF nodes as parts
+///          glTF nodes as parts, each with a name of its own: "rib", "rib_2" where both are "rib"
 /// @errors  FileMissing, FileNotReadable, FileEmpty, FileTruncated, FileUnknownFormat, FileSyntax,
 /// NonFiniteVertex,
 ///          MeshWithoutFaces; from the worker also WorkerMissing, WorkerCrashed, WorkerTimedOut,

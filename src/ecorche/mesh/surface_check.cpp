@@ -27,6 +27,9 @@ class Checker {
     if (check_.nonFiniteVertices > 0) return std::move(check_);
     faces();
     edges_ = surfaceEdges(mesh_.F);
+    labels_ = components(mesh_.F, edges_);
+    faceCount_.assign(index(labels_.count), 0);
+    for (const std::int32_t piece : labels_.label) ++faceCount_[index(piece)];
     edges();
     fans();
     holes();
@@ -159,28 +162,45 @@ class Checker {
       hole.place = box.centre();
       hole.extent = box.diagonal();
       hole.edges = static_cast<std::int64_t>(border.edges.size());
+      const std::int32_t slot = edges_.slot[index(edges_.first[index(border.edges.front())])];
+      hole.piece = labels_.label[index(slot / 3)];
       hole.box = box;
       check_.holes.push_back(hole);
     }
     std::ranges::stable_sort(check_.holes, std::greater{}, &SurfaceCheck::Hole::extent);
-    for (const auto& hole : check_.holes) {
+    // The largest one by one; a mesh whose faces all stand alone has thousands of others
+    constexpr std::size_t kToldApart = 8;
+    for (std::size_t h = 0; h < std::min(kToldApart, check_.holes.size()); ++h) {
+      const auto& hole = check_.holes[h];
+      if (faceCount_[index(hole.piece)] == 1) {
+        find(Severity::Warning, "lone-face",
+             fmt::format("a triangle hangs together with nothing, {:.3g} m across", hole.extent),
+             hole.place, hole.extent);
+      } else {
+        find(Severity::Warning, "hole",
+             fmt::format("a border of {} edges, {:.3g} m across", hole.edges, hole.extent),
+             hole.place, hole.extent);
+      }
+    }
+    if (check_.holes.size() > kToldApart) {
+      const auto& next = check_.holes[kToldApart];
       find(Severity::Warning, "hole",
-           fmt::format("a border of {} edges, {:.3g} m across", hole.edges, hole.extent),
-           hole.place, hole.extent);
+           fmt::format("{} more borders, none more than {:.3g} m across",
+                       check_.holes.size() - kToldApart, next.extent),
+           next.place, next.extent);
     }
   }
 
   void pieces() {
-    const FaceComponents labels = components(mesh_.F, edges_);
     auto& list = check_.components;
-    list.resize(index(labels.count));
+    list.resize(index(labels_.count));
     for (auto& c : list) {
       c.firstFace = -1;
       c.closed = true;
     }
     const Vector3 origin = boundingBox(mesh_).centre();
     for (Eigen::Index f = 0; f < mesh_.F.rows(); ++f) {
-      auto& c = list[index(labels.label[static_cast<std::size_t>(f)])];
+      auto& c = list[index(labels_.label[static_cast<std::size_t>(f)])];
       if (c.firstFace < 0) c.firstFace = static_cast<std::int32_t>(f);
       ++c.faces;
       const Vector3 p = at(mesh_.F(f, 0)) - origin;
@@ -195,7 +215,7 @@ class Checker {
     std::vector<std::int64_t> edgeCount(list.size(), 0);
     std::vector<char> manifold(list.size(), 1);
     for (std::size_t e = 0; e < edges_.count(); ++e) {
-      const auto piece = index(labels.label[index(edges_.slot[index(edges_.first[e])] / 3)]);
+      const auto piece = index(labels_.label[index(edges_.slot[index(edges_.first[e])] / 3)]);
       ++edgeCount[piece];
       if (edges_.faceCount(e) != 2) manifold[piece] = 0;
       std::int32_t balance = 0;
@@ -210,7 +230,7 @@ class Checker {
     std::vector<char> fanSeen(index(fans_.count), 0);
     for (std::size_t c = 0; c < fans_.fanOfCorner.size(); ++c) {
       char& seen = fanSeen[index(fans_.fanOfCorner[c])];
-      if (seen == 0) ++fanCount[index(labels.label[c / 3])];
+      if (seen == 0) ++fanCount[index(labels_.label[c / 3])];
       seen = 1;
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -244,6 +264,8 @@ class Checker {
 
   const SurfaceMesh& mesh_;
   SurfaceEdges edges_;
+  FaceComponents labels_;
+  std::vector<std::int64_t> faceCount_;  // of pieces
   VertexFans fans_;
   SurfaceCheck check_;
 };

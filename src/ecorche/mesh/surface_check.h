@@ -22,6 +22,7 @@ struct SurfaceCheck {
     double extent = 0.0;              ///< diagonal of the border's box [m]
     double perimeter = 0.0;           ///< [m]
     std::int64_t edges = 0;
+    std::int32_t piece = 0;  ///< into components
     Box box;
   };
   /// A piece that hangs together by edges.

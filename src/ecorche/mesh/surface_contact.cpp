@@ -101,12 +101,14 @@ std::optional<SurfaceContact> contactOf(const ContactBody& a, const ContactBody&
   return out;
 }
 
-std::optional<PokingOut> pokingOut(const ContactBody& body, const ContactBody& skin) {
+std::optional<PokingOut> pokingOut(const ContactBody& body, const ContactBody& skin,
+                                   const std::function<bool(const Vector3&)>& counts) {
   if (body.query.empty() || skin.query.empty()) return std::nullopt;
   PokingOut out;
   bool any = false;
   for (const std::int32_t v : body.mesh.F.reshaped()) {
     const Vector3 p = body.mesh.V.row(v).transpose();
+    if (counts && !counts(p)) continue;
     if (within(skin.box, p) && skin.query.windingNumber(p).value_or(1) != 0) continue;
     any = true;
     const double distance = skin.query.distance(p);
@@ -116,7 +118,7 @@ std::optional<PokingOut> pokingOut(const ContactBody& body, const ContactBody& s
   }
   if (!any) return std::nullopt;
   out.volume = latticeVolume(body.box, [&](const Vector3& p) {
-    return body.query.windingNumber(p).value_or(0) != 0 &&
+    return (!counts || counts(p)) && body.query.windingNumber(p).value_or(0) != 0 &&
            skin.query.windingNumber(p).value_or(0) == 0;
   });
   return out;

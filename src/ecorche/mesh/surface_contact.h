@@ -2,6 +2,7 @@
 
 #include <ecorche/mesh/surface_query.h>
 
+#include <functional>
 #include <optional>
 
 namespace ecorche::mesh {
@@ -39,6 +40,9 @@ struct PokingOut {
   double volume = 0.0;  ///< counted on a lattice [m³]
   Vector3 place = Vector3::Zero();
 };
-[[nodiscard]] std::optional<PokingOut> pokingOut(const ContactBody& body, const ContactBody& skin);
+/// @param counts  points for which it is false do not count; unset: all do
+[[nodiscard]] std::optional<PokingOut> pokingOut(
+    const ContactBody& body, const ContactBody& skin,
+    const std::function<bool(const Vector3&)>& counts = {});
 
 }  // namespace ecorche::mesh

@@ -3,7 +3,11 @@
 #include <ecorche/mesh/surface_query.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 namespace ecorche::mesh {
 
@@ -52,18 +56,48 @@ Found overFace(const SurfaceMesh& from, Eigen::Index f, const SurfaceQuery& to, 
   return found;
 }
 
-Result<SurfaceDeviation::OneWay> oneWay(const SurfaceMesh& from, const SurfaceQuery& to,
-                                        double spacing, RunContext& run) {
+/// Faces that stand in both surfaces, corner for corner: they are at no distance.
+class CommonFaces {
+ public:
+  explicit CommonFaces(const SurfaceMesh& other) {
+    faces_.reserve(static_cast<std::size_t>(other.F.rows()));
+    for (Eigen::Index f = 0; f < other.F.rows(); ++f) faces_.push_back(key(other, f));
+    std::ranges::sort(faces_);
+  }
+  [[nodiscard]] bool hold(const SurfaceMesh& mesh, Eigen::Index f) const {
+    return std::ranges::binary_search(faces_, key(mesh, f));
+  }
+
+ private:
+  using Key = std::array<std::array<double, 3>, 3>;
+  static Key key(const SurfaceMesh& mesh, Eigen::Index f) {
+    Key out;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v = mesh.F(f, static_cast<Eigen::Index>(k));
+      out[k] = {mesh.V(v, 0), mesh.V(v, 1), mesh.V(v, 2)};
+    }
+    std::ranges::sort(out);
+    return out;
+  }
+  std::vector<Key> faces_;
+};
+
+Result<SurfaceDeviation::OneWay> oneWay(const SurfaceMesh& from, const SurfaceMesh& other,
+                                        const SurfaceQuery& to, double spacing, RunContext& run) {
   constexpr std::int64_t kChunk = 256;
+  constexpr double kAnyLength = std::numeric_limits<double>::infinity();
   const std::int64_t chunks = (from.F.rows() + kChunk - 1) / kChunk;
   std::vector<Found> found(static_cast<std::size_t>(chunks));
+  const CommonFaces common(other);
   parallelFor(
       chunks,
       [&](std::int64_t chunk) {
         Found& sum = found[static_cast<std::size_t>(chunk)];
         const std::int64_t end = std::min<std::int64_t>(from.F.rows(), (chunk + 1) * kChunk);
         for (std::int64_t f = chunk * kChunk; f < end && !run.cancelled(); ++f) {
-          const Found face = overFace(from, f, to, spacing);
+          // One point stands for a face that is in both
+          const Found face = common.hold(from, f) ? overFace(from, f, to, kAnyLength)
+                                                  : overFace(from, f, to, spacing);
           sum.see(face.place, face.max);
           sum.integral += face.integral;
           sum.area += face.area;
@@ -94,9 +128,9 @@ Result<SurfaceDeviation> surfaceDeviation(const SurfaceMesh& a, const SurfaceMes
     return fail(ErrorCode::MeshWithoutFaces, "a surface without area has no distance to another",
                 {.object = toA.empty() ? a.name : b.name});
   }
-  const auto there = oneWay(a, toB, sampleSpacing, run);
+  const auto there = oneWay(a, b, toB, sampleSpacing, run);
   if (!there) return passOn(there);
-  const auto back = oneWay(b, toA, sampleSpacing, run);
+  const auto back = oneWay(b, a, toA, sampleSpacing, run);
   if (!back) return passOn(back);
   return SurfaceDeviation{*there, *back};
 }

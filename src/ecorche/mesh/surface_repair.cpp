@@ -3,11 +3,15 @@
 #include <ecorche/mesh/inner_walls.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_repair.h>
+#include <ecorche/mesh/surface_topology.h>
 #include <ecorche/mesh/t_junctions.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
 
 namespace ecorche::mesh {
 
@@ -50,6 +54,47 @@ SurfaceMesh assembled(const LabelledFaces& faces, const SurfaceMesh& original) {
   return compacted(mesh);
 }
 
+/// How far the widest border is at most from all others, where that is little: it is no hole then,
+/// but one side of a crack.
+std::optional<double> crackWidth(const SurfaceMesh& mesh) {
+  constexpr double kLittle = 0.02;             // of the border's extent
+  constexpr std::size_t kMostPairs = 20000000;  // of vertices and edges: a fraction of a second
+  const SurfaceEdges edges = surfaceEdges(mesh.F);
+  const std::vector<Border> all = borders(edges);
+  const auto end = [&](std::int32_t e, std::size_t k) -> Vector3 {
+    return mesh.V.row(edges.ends[static_cast<std::size_t>(e)][k]).transpose();
+  };
+  const auto extent = [&](const Border& border) {
+    Box box;
+    for (const std::int32_t e : border.edges) {
+      box.add(end(e, 0));
+      box.add(end(e, 1));
+    }
+    return box.diagonal();
+  };
+  const auto widest = std::ranges::max_element(all, {}, extent);
+  std::vector<std::int32_t> others;
+  for (auto border = all.begin(); border != all.end(); ++border) {
+    if (border != widest) others.insert(others.end(), border->edges.begin(), border->edges.end());
+  }
+  if (others.empty() || widest->edges.size() * others.size() > kMostPairs) return std::nullopt;
+  double width = 0.0;
+  for (const std::int32_t e : widest->edges) {
+    const Vector3 p = end(e, 0);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::int32_t other : others) {
+      const Vector3 a = end(other, 0);
+      const Vector3 along = end(other, 1) - a;
+      const double length = along.squaredNorm();
+      const double t = length > 0.0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0.0;
+      nearest = std::min(nearest, (a + t * along - p).norm());
+    }
+    width = std::max(width, nearest);
+  }
+  if (width > kLittle * extent(*widest)) return std::nullopt;
+  return width;
+}
+
 class Repair {
  public:
   Repair(const SurfaceMesh& mesh, const RepairOptions& options, RunContext& run)
@@ -59,7 +104,9 @@ class Repair {
     const Stage stage(run_, "repairing");
     const SurfaceCheck before = checkSurface(mesh_);
     if (before.nonFiniteVertices > 0) {
-      return fail(ErrorCode::NonFiniteVertex, before.findings.front().message,
+      return fail(ErrorCode::NonFiniteVertex,
+                  fmt::format("\"{}\": {}; remove or place it where the mesh was made", mesh_.name,
+                              before.findings.front().message),
                   {.object = mesh_.name});
     }
     if (mesh_.empty()) return nothingLeft();
@@ -102,7 +149,8 @@ class Repair {
     report("degenerate-faces", dropCollapsed(faces_), "dropped {} faces without area");
     report("duplicate-faces", dropDoubled(faces_),
            "dropped {} faces that lay upon others or between touching pieces");
-    report("inner-wall", dropInnerWalls(faces_), "dropped {} walls inside, up to {:.3g} m across");
+    report("inner-wall", dropInnerWalls(faces_, options_.holeRel),
+           "dropped {} walls inside, up to {:.3g} m across");
     // Before anything is split or filled, so that a stray face is not taken for a surface
     report("speck", dropSpecks(faces_, speckExtent_),
            "dropped {} small pieces, up to {:.3g} m across");
@@ -124,8 +172,6 @@ class Repair {
     report("non-manifold", done->split, "split {} vertices where too many faces hung together");
     report("degenerate-faces", done->flat, "took out {} faces without area");
     report("hole", done->filled, "filled {} holes, up to {:.3g} m across");
-    // The border of a lone face is a hole as well, and its filling the same face once more
-    dropDoubled(faces_);
     return {};
   }
 
@@ -151,13 +197,7 @@ class Repair {
     const SurfaceCheck after = checkSurface(mesh);
     if (options_.mustClose && !after.holes.empty()) {
       const auto& hole = after.holes.front();
-      const std::size_t others = after.holes.size() - 1;
-      return fail(ErrorCode::SkinNotClosed,
-                  fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; close it where "
-                              "the mesh was made, or ask for \"repair\": \"fill-holes\" (a flat "
-                              "cap) or \"wrap\" (a skin laid around it)",
-                              mesh.name, hole.edges, hole.extent,
-                              others > 0 ? fmt::format(", and {} more", others) : ""),
+      return fail(ErrorCode::SkinNotClosed, whyNotClosed(mesh, after),
                   {.object = mesh.name, .point = hole.place});
     }
     for (const Finding& finding : after.findings) {
@@ -171,6 +211,40 @@ class Repair {
       }
     }
     return {};
+  }
+
+  // What is wrong, and a way out that leads somewhere: what was not filled although every hole was
+  // to be is not sent there again.
+  [[nodiscard]] std::string whyNotClosed(const SurfaceMesh& mesh,
+                                         const SurfaceCheck& after) const {
+    const auto& hole = after.holes.front();
+    const std::int64_t pieces = std::ssize(after.components);
+    const std::string others =
+        after.holes.size() > 1 ? fmt::format(", and {} more", after.holes.size() - 1) : "";
+    if (pieces > faces_.F.rows() / 4 && pieces > 4) {
+      return fmt::format("the {} faces of \"{}\" hang together in {} pieces; merge its vertices by "
+                         "distance where the mesh was made, or ask for \"repair\": \"wrap\" (a skin "
+                         "laid around it)",
+                         faces_.F.rows(), mesh_.name, pieces);
+    }
+    if (after.components[static_cast<std::size_t>(hole.piece)].faces == 1) {
+      return fmt::format("\"{}\" has a triangle that hangs together with nothing, {:.3g} m across{}; "
+                         "no filling closes it: delete it where the mesh was made, or ask for "
+                         "\"repair\": \"wrap\" (a skin laid around everything)",
+                         mesh_.name, hole.extent, others);
+    }
+    if (const auto width = crackWidth(mesh)) {
+      return fmt::format("\"{}\" is cracked along a border of {} edges, {:.3g} m across: others run "
+                         "along it, up to {:.2g} mm apart{}; merge vertices by that distance where "
+                         "the mesh was made, or ask for \"repair\": \"wrap\" (a skin laid around it)",
+                         mesh_.name, hole.edges, hole.extent, *width * 1e3, others);
+    }
+    const bool filled = std::isinf(options_.holeRel);
+    return fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; {}close it where the mesh "
+                       "was made, or ask for {}\"wrap\" (a skin laid around it)",
+                       mesh_.name, hole.edges, hole.extent, others,
+                       filled ? "it cannot be filled: " : "",
+                       filled ? "\"repair\": " : "\"repair\": \"fill-holes\" (a flat cap) or ");
   }
 
   void note(Severity severity, const char* kind, std::string message, std::optional<Vector3> point,
