@@ -1,6 +1,7 @@
 #include <ecorche/engine/live_parts.h>
 #include <ecorche/model/project_file.h>
 #include <ecorche/studio/edits.h>
+#include <ecorche/studio/kept_surfaces.h>
 
 #include "studio/hand.h"
 
@@ -157,6 +158,58 @@ TEST_CASE("a draft is seen, and is no step until it is kept") {
   session.undo();
   CHECK(session.project() == before);
   CHECK(session.isSaved());
+}
+
+TEST_CASE("what cut planes take away is neither shown nor under the hand") {
+  test::application();
+  Session session({.tets = 30'000});
+  session.start(arm(), {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  const auto whole = keptSurfaces(session.meshes(), {}, session.domain());
+  CHECK_FALSE(whole.resampled);
+  CHECK(whole.bones.size() == 6);
+
+  const mesh::Box box = mesh::boundingBox(session.meshes()->meshes.skin);
+  int axis = 0;
+  (box.hi - box.lo).maxCoeff(&axis);
+  const model::CutPlane plane{"edge", model::CutPlane::Kind::Region, 0.5 * (box.lo + box.hi),
+                              mesh::Vector3::Unit(axis)};
+  model::Project half = arm();
+  std::erase_if(half.tissues, [](const model::Tissue& t) { return t.hasCurves(); });
+  half.cutPlanes.push_back(plane);
+  session.start(half, {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  REQUIRE(session.domain());
+  const auto kept = keptSurfaces(session.meshes(), half.cutPlanes, session.domain());
+  CHECK(kept.resampled);
+  CHECK(kept.bones.size() < 6);
+  CHECK_FALSE(kept.bones.empty());
+  const double tolerance = 0.002 * session.meshes()->diagonal;
+  const auto lowest = [&](const mesh::SurfaceMesh& m) {
+    return ((m.V.rowwise() - plane.point.transpose()) * plane.normal).minCoeff();
+  };
+  CHECK(lowest(*kept.skin) > -tolerance);
+  CHECK(kept.skin->F.rows() > 100);
+  for (const auto& bone : kept.bones) CHECK(lowest(*bone) > -tolerance);
+
+  // Rays that meet bone on the lost side alone meet none
+  int met = 0;
+  int lost = 0;
+  for (const auto& bone : session.meshes()->meshes.bones) {
+    for (Eigen::Index v = 0; v < bone.V.rows(); v += 7) {
+      const mesh::Vector3 p = bone.V.row(v).transpose();
+      const mesh::Vector3 across = mesh::Vector3::Unit((axis + 1) % 3);
+      const auto hit = boneUnder({p - 2.0 * across, across}, *session.meshes(), half, {});
+      if ((p - plane.point).dot(plane.normal) < 0.0) {
+        ++lost;
+        CHECK_FALSE(hit);
+      } else {
+        met += hit.has_value();
+      }
+    }
+  }
+  CHECK(met > 20);
+  CHECK(lost > 20);
 }
 
 TEST_CASE("a muscle gets the volume that is asked for, as one step") {

@@ -51,8 +51,8 @@ QPoint pixelOn(MainWindow& window, const std::string& bone, double along) {
       bool inside = true;
       for (const Eigen::Vector2d by : {Eigen::Vector2d(0, 0), Eigen::Vector2d(2, 0),
                                        Eigen::Vector2d(-2, 0), Eigen::Vector2d(0, 2)}) {
-        const auto hit =
-            boneUnder(window.view().eye().sight(*seen + by), meshes, window.session().display());
+        const auto hit = boneUnder(window.view().eye().sight(*seen + by), meshes,
+                                   window.session().project(), window.session().display());
         inside = inside && hit && hit->bone == bone;
       }
       if (!inside) continue;

@@ -6,7 +6,8 @@ using mesh::Vector3;
 
 std::optional<CurveTip> ClickTool::tipAt(const Eigen::Vector2d& pixel) const {
   if (!session().meshes()) return std::nullopt;
-  const auto bone = boneUnder(view_.camera.sight(pixel), *session().meshes(), session().display());
+  const auto bone = boneUnder(view_.camera.sight(pixel), *session().meshes(), session().project(),
+                              session().display());
   if (!bone) return std::nullopt;
   return CurveTip{{model::Support::On::Bone, bone->bone}, bone->at};
 }

@@ -23,6 +23,7 @@ struct Display {
   std::set<std::string> hidden;           ///< tissues and bones by name
   std::optional<std::string> solo;        ///< this tissue alone
   std::optional<std::string> xray;        ///< this tissue through all others
+  double explode = 0.0;                   ///< how far muscles are drawn apart, 0 to 1 [unitless]
 
   [[nodiscard]] bool showsTissue(const std::string& name) const {
     return muscles && (solo ? *solo == name : !hidden.contains(name));

@@ -39,6 +39,10 @@ DisplayPanel::DisplayPanel(Session& session, QWidget* parent) : QWidget(parent),
   peel_->setToolTip(tr("Hides muscles of higher layers"));
   form->addRow(tr("Peel down to"), peel_);
 
+  explode_ = slider(this, "explode");
+  explode_->setToolTip(tr("Draws muscles apart, away from the middle of the body"));
+  form->addRow(tr("Explode"), explode_);
+
   clipAxis_ = new QComboBox(this);
   clipAxis_->setObjectName("clipAxis");
   clipAxis_->addItems({tr("none"), tr("across X"), tr("across Y"), tr("across Z")});
@@ -61,7 +65,7 @@ DisplayPanel::DisplayPanel(Session& session, QWidget* parent) : QWidget(parent),
          "the view"));
   form->addRow(tr("Fat"), fat_);
 
-  for (QSlider* s : {opacity_, clipAt_})
+  for (QSlider* s : {opacity_, clipAt_, explode_})
     connect(s, &QSlider::valueChanged, this, &DisplayPanel::changed);
   for (QCheckBox* box : {bones_, muscles_, curves_, fine_, clipFlip_})
     connect(box, &QCheckBox::toggled, this, &DisplayPanel::changed);
@@ -91,6 +95,7 @@ void DisplayPanel::fill() {
   muscles_->setChecked(d.muscles);
   curves_->setChecked(d.allCurves);
   fine_->setChecked(d.fine);
+  explode_->setValue(static_cast<int>(kTicks * d.explode));
   peel_->setValue(d.peelAbove.value_or(-1));
   palette_->setCurrentIndex(d.palette == render::Palette::Anatomical ? 0 : 1);
   if (!d.clip) clipAxis_->setCurrentIndex(0);
@@ -110,6 +115,7 @@ void DisplayPanel::changed() {
   d.muscles = muscles_->isChecked();
   d.allCurves = curves_->isChecked();
   d.fine = fine_->isChecked();
+  d.explode = static_cast<double>(explode_->value()) / kTicks;
   d.peelAbove = peel_->value() < 0 ? std::nullopt : std::optional(peel_->value());
   d.palette =
       palette_->currentIndex() == 0 ? render::Palette::Anatomical : render::Palette::Distinct;

@@ -31,6 +31,7 @@ class DisplayPanel : public QWidget {
   QSlider* clipAt_;
   QCheckBox* clipFlip_;
   QSpinBox* peel_;
+  QSlider* explode_;
   QComboBox* palette_;
   QSlider* fat_;
 

@@ -18,7 +18,7 @@ std::optional<CurveTip> DrawTool::tipAt(const Eigen::Vector2d& pixel) const {
   const auto& meshes = session().meshes();
   if (!meshes) return std::nullopt;
   const authoring::SightRay sight = view_.camera.sight(pixel);
-  if (const auto bone = boneUnder(sight, *meshes, session().display()))
+  if (const auto bone = boneUnder(sight, *meshes, session().project(), session().display()))
     return CurveTip{{model::Support::On::Bone, bone->bone}, bone->at};
   if (onMuscles_) {
     double nearest = kCurveReach;

@@ -3,6 +3,7 @@
 #include <ecorche/studio/pick.h>
 #include <ecorche/studio/scene_builder.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace ecorche::studio {
@@ -17,20 +18,26 @@ bool clippedAway(const Vector3& p, const Display& display) {
   return display.clip && (p - display.clip->point).dot(display.clip->normal) < 0.0;
 }
 
+bool cutOff(const Vector3& p, const model::Project& project) {
+  return std::ranges::any_of(project.cutPlanes, [&](const model::CutPlane& plane) {
+    return (p - plane.point).dot(plane.normal) < 0.0;
+  });
+}
+
 }  // namespace
 
 std::optional<BoneHit> boneUnder(const authoring::SightRay& sight, const engine::LiveMeshes& meshes,
-                                 const Display& display) {
+                                 const model::Project& project, const Display& display) {
   std::optional<BoneHit> best;
   for (const authoring::BoneSurface& bone : meshes.bones) {
     if (!display.showsBone(bone.name)) continue;
-    if (!display.clip) {
+    if (!display.clip && project.cutPlanes.empty()) {
       const auto hit = bone.surface->firstHit(sight.origin, sight.direction);
       if (hit && (!best || hit->t < best->distance)) best = BoneHit{bone.name, hit->point, hit->t};
       continue;
     }
     for (const auto& hit : bone.surface->allHits(sight.origin, sight.direction)) {
-      if (clippedAway(hit.point, display)) continue;
+      if (clippedAway(hit.point, display) || cutOff(hit.point, project)) continue;
       if (!best || hit.t < best->distance) best = BoneHit{bone.name, hit.point, hit.t};
       break;
     }
@@ -84,7 +91,7 @@ Selection Picker::pick(const Input& input, const Eigen::Vector2d& pixel) {
     }
   }
   if (input.meshes) {
-    const auto bone = boneUnder(sight, *input.meshes, input.display);
+    const auto bone = boneUnder(sight, *input.meshes, input.project, input.display);
     if (bone && bone->distance < nearest) out = Selection{{}, -1, -1, bone->bone};
   }
   return out;

@@ -16,9 +16,11 @@ struct BoneHit {
   mesh::Vector3 at = mesh::Vector3::Zero();  ///< on its surface [m]
   double distance = 0.0;                     ///< from the ray's origin [m]
 };
-/// The nearest of the bones that are shown, through whatever lies before it.
+/// The nearest of the bones that are shown, through whatever lies before it. What lies beyond the
+/// project's cut planes, or is taken away by the view's, does not count.
 [[nodiscard]] std::optional<BoneHit> boneUnder(const authoring::SightRay& sight,
                                                const engine::LiveMeshes& meshes,
+                                               const model::Project& project,
                                                const Display& display);
 
 /// What the hand would take hold of at a pixel: a control point of the selected muscle before its

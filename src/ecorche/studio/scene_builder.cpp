@@ -112,6 +112,23 @@ void SceneBuilder::addVolume(const Input& input, render::Scene& scene) {
   }
 }
 
+namespace {
+
+// Of its curves' control points
+Vector3 middleOf(const model::Tissue& tissue) {
+  Vector3 sum = Vector3::Zero();
+  double count = 0.0;
+  for (const model::Curve& curve : tissue.curves) {
+    for (const auto& point : curve.points) {
+      sum += point.at;
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? Vector3(sum / count) : sum;
+}
+
+}  // namespace
+
 render::VolumeItem volumeOf(const model::Project& project, const engine::LiveTissues& tissues,
                             const Display& display, const std::vector<Rgba>& colours) {
   render::VolumeItem out;
@@ -120,6 +137,8 @@ render::VolumeItem volumeOf(const model::Project& project, const engine::LiveTis
   out.fatIsCandidate = tissues.fields->fields().fatIsCandidate;
   out.tissues.resize(tissues.slotOf.size() + 1);
   out.tissues[0] = {.colour = render::tint::fat(), .visible = false, .inCut = true};
+  const mesh::Box& box = tissues.geometry->box();
+  const Vector3 middle = 0.5 * (box.lo + box.hi);
   const auto places = engine::liveTissuePlaces(project);
   for (std::size_t i = 0; i < tissues.slotOf.size(); ++i) {
     render::VolumeTissue& look = out.tissues[i + 1];
@@ -131,6 +150,7 @@ render::VolumeItem volumeOf(const model::Project& project, const engine::LiveTis
     const bool peeled = display.peelAbove && tissue.layer && *tissue.layer > *display.peelAbove;
     look.visible = display.showsTissue(tissue.name) && !peeled;
     if (display.xray && *display.xray != tissue.name) look.opacity = kXray;
+    if (display.explode > 0.0) look.shift = display.explode * (middleOf(tissue) - middle);
   }
   return out;
 }

@@ -71,8 +71,8 @@ std::vector<model::Command> SelectTool::moveTo(const Touch& touch) const {
       support = snap->support;
     }
   } else if (end >= 0 && session().meshes()) {
-    const auto bone =
-        boneUnder(view_.camera.sight(touch.pixel), *session().meshes(), session().display());
+    const auto bone = boneUnder(view_.camera.sight(touch.pixel), *session().meshes(),
+                                session().project(), session().display());
     if (bone) at = bone->at;
     support = bone ? model::Support{model::Support::On::Bone, bone->bone} : model::Support{};
   }
