@@ -222,9 +222,8 @@ class Carver {
       if (where.outside > 0) {
         // Around the skin is not outside it
         const Inside insideBody(mesh);
-        const auto held = std::ranges::count_if(skinPoints, [&](const auto& p) {
-          return insideBody(p) == CGAL::ON_BOUNDED_SIDE;
-        });
+        const auto held = std::ranges::count_if(
+            skinPoints, [&](const auto& p) { return insideBody(p) == CGAL::ON_BOUNDED_SIDE; });
         if (held == std::ssize(skinPoints) && !where.crosses) {
           return fail(ErrorCode::EmptyDomain,
                       fmt::format("\"{}\" encloses the whole skin, so nothing is left of it; check "
@@ -267,12 +266,13 @@ class Carver {
 
   void noteOutside(const Hole& hole, const Whereabouts& where) {
     const bool all = where.outside == std::ssize(where.kept);
-    note(Severity::Warning, "outside-skin", hole.name,
-         all ? fmt::format("\"{}\" lies outside the skin and was left out", hole.name)
-             : fmt::format("{} of {} pieces of \"{}\" lie outside the skin and were left out, up to "
-                           "{:.3g} m across",
-                           where.outside, where.kept.size(), hole.name, where.extent),
-         where.place, all ? 0.0 : where.extent);
+    note(
+        Severity::Warning, "outside-skin", hole.name,
+        all ? fmt::format("\"{}\" lies outside the skin and was left out", hole.name)
+            : fmt::format("{} of {} pieces of \"{}\" lie outside the skin and were left out, up to "
+                          "{:.3g} m across",
+                          where.outside, where.kept.size(), hole.name, where.extent),
+        where.place, all ? 0.0 : where.extent);
   }
 
   /// What of the body is neither in the skin nor beyond a cut plane; nothing where the exact way is
@@ -294,11 +294,12 @@ class Carver {
   void reportPokingOut(const Hole& hole, const TaggedMesh& mesh) {
     const double whole = CGAL::to_double(PMP::volume(mesh));
     const auto tell = [&](double volume, const char* about, const mesh::Vector3& place) {
-      note(Severity::Repaired, "pokes-out", hole.name,
-           fmt::format("\"{}\" reaches out of the skin with {}{:.3g} cm³ of its {:.3g} cm³; cut off "
-                       "there",
-                       hole.name, about, volume * 1e6, whole * 1e6),
-           place, volume);
+      note(
+          Severity::Repaired, "pokes-out", hole.name,
+          fmt::format("\"{}\" reaches out of the skin with {}{:.3g} cm³ of its {:.3g} cm³; cut off "
+                      "there",
+                      hole.name, about, volume * 1e6, whole * 1e6),
+          place, volume);
     };
     if (const auto outside = outsideOf(mesh)) {
       const double volume = CGAL::to_double(PMP::volume(*outside));

@@ -125,7 +125,9 @@ class Rooms {
   [[nodiscard]] const Piece& pieceAt(std::int32_t face) const {
     return pieceOf_[index(pieces_.label[index(face)])];
   }
-  [[nodiscard]] std::int32_t faceCount() const { return static_cast<std::int32_t>(faces_.F.rows()); }
+  [[nodiscard]] std::int32_t faceCount() const {
+    return static_cast<std::int32_t>(faces_.F.rows());
+  }
   [[nodiscard]] Vector3 corner(std::int32_t face, int k) const {
     return faces_.V.row(faces_.F(face, k)).transpose();
   }
@@ -237,8 +239,8 @@ class Rooms {
   const LabelledFaces& faces_;
   const SurfaceEdges& edges_;
   FaceComponents pieces_;
-  std::vector<Piece> pieceOf_;       // by label
-  std::vector<std::int32_t> room_;   // #F·2, of every side
+  std::vector<Piece> pieceOf_;      // by label
+  std::vector<std::int32_t> room_;  // #F·2, of every side
   std::vector<Room> rooms_;
   std::vector<double> area_;  // #F [m²]
 };
@@ -261,7 +263,8 @@ StepReport dropInnerWalls(LabelledFaces& faces, double holeRel) {
   DisjointSets walls(kept.size());
   for (std::size_t e = 0; e < edges.count(); ++e) {
     const std::int32_t u = edges.first[e];
-    if (edges.faceCount(e) == 2) walls.unite(edges.slot[index(u)] / 3, edges.slot[index(u + 1)] / 3);
+    if (edges.faceCount(e) == 2)
+      walls.unite(edges.slot[index(u)] / 3, edges.slot[index(u + 1)] / 3);
   }
   std::map<std::int32_t, Box> boxes;  // of each, by its first face
   for (std::size_t f = 0; f < kept.size(); ++f) {

@@ -57,7 +57,7 @@ SurfaceMesh assembled(const LabelledFaces& faces, const SurfaceMesh& original) {
 /// How far the widest border is at most from all others, where that is little: it is no hole then,
 /// but one side of a crack.
 std::optional<double> crackWidth(const SurfaceMesh& mesh) {
-  constexpr double kLittle = 0.02;             // of the border's extent
+  constexpr double kLittle = 0.02;              // of the border's extent
   constexpr std::size_t kMostPairs = 20000000;  // of vertices and edges: a fraction of a second
   const SurfaceEdges edges = surfaceEdges(mesh.F);
   const std::vector<Border> all = borders(edges);
@@ -215,36 +215,38 @@ class Repair {
 
   // What is wrong, and a way out that leads somewhere: what was not filled although every hole was
   // to be is not sent there again.
-  [[nodiscard]] std::string whyNotClosed(const SurfaceMesh& mesh,
-                                         const SurfaceCheck& after) const {
+  [[nodiscard]] std::string whyNotClosed(const SurfaceMesh& mesh, const SurfaceCheck& after) const {
     const auto& hole = after.holes.front();
     const std::int64_t pieces = std::ssize(after.components);
     const std::string others =
         after.holes.size() > 1 ? fmt::format(", and {} more", after.holes.size() - 1) : "";
     if (pieces > faces_.F.rows() / 4 && pieces > 4) {
-      return fmt::format("the {} faces of \"{}\" hang together in {} pieces; merge its vertices by "
-                         "distance where the mesh was made, or ask for \"repair\": \"wrap\" (a skin "
-                         "laid around it)",
-                         faces_.F.rows(), mesh_.name, pieces);
+      return fmt::format(
+          "the {} faces of \"{}\" hang together in {} pieces; merge its vertices by "
+          "distance where the mesh was made, or ask for \"repair\": \"wrap\" (a skin "
+          "laid around it)",
+          faces_.F.rows(), mesh_.name, pieces);
     }
     if (after.components[static_cast<std::size_t>(hole.piece)].faces == 1) {
-      return fmt::format("\"{}\" has a triangle that hangs together with nothing, {:.3g} m across{}; "
-                         "no filling closes it: delete it where the mesh was made, or ask for "
-                         "\"repair\": \"wrap\" (a skin laid around everything)",
-                         mesh_.name, hole.extent, others);
+      return fmt::format(
+          "\"{}\" has a triangle that hangs together with nothing, {:.3g} m across{}; "
+          "no filling closes it: delete it where the mesh was made, or ask for "
+          "\"repair\": \"wrap\" (a skin laid around everything)",
+          mesh_.name, hole.extent, others);
     }
     if (const auto width = crackWidth(mesh)) {
-      return fmt::format("\"{}\" is cracked along a border of {} edges, {:.3g} m across: others run "
-                         "along it, up to {:.2g} mm apart{}; merge vertices by that distance where "
-                         "the mesh was made, or ask for \"repair\": \"wrap\" (a skin laid around it)",
-                         mesh_.name, hole.edges, hole.extent, *width * 1e3, others);
+      return fmt::format(
+          "\"{}\" is cracked along a border of {} edges, {:.3g} m across: others run "
+          "along it, up to {:.2g} mm apart{}; merge vertices by that distance where "
+          "the mesh was made, or ask for \"repair\": \"wrap\" (a skin laid around it)",
+          mesh_.name, hole.edges, hole.extent, *width * 1e3, others);
     }
     const bool filled = std::isinf(options_.holeRel);
-    return fmt::format("\"{}\" has a hole of {} edges, {:.3g} m across{}; {}close it where the mesh "
-                       "was made, or ask for {}\"wrap\" (a skin laid around it)",
-                       mesh_.name, hole.edges, hole.extent, others,
-                       filled ? "it cannot be filled: " : "",
-                       filled ? "\"repair\": " : "\"repair\": \"fill-holes\" (a flat cap) or ");
+    return fmt::format(
+        "\"{}\" has a hole of {} edges, {:.3g} m across{}; {}close it where the mesh "
+        "was made, or ask for {}\"wrap\" (a skin laid around it)",
+        mesh_.name, hole.edges, hole.extent, others, filled ? "it cannot be filled: " : "",
+        filled ? "\"repair\": " : "\"repair\": \"fill-holes\" (a flat cap) or ");
   }
 
   void note(Severity severity, const char* kind, std::string message, std::optional<Vector3> point,
