@@ -54,9 +54,6 @@ Result<void> runRender(RenderArguments args, Session& session) {
   if (args.palette == "distinct") args.settings.palette = render::Palette::Distinct;
 
   Result<render::Image> picture;
-  if (args.preview && args.settings.fibers)
-    return fail(ErrorCode::CommandSyntax,
-                "--preview draws fields and has no fibres; leave --fibers or --preview away");
   if (std::filesystem::is_directory(args.source)) {
     if (args.preview)
       return fail(ErrorCode::FileUnknownFormat,
@@ -123,7 +120,8 @@ void addRender(CLI::App& app, Commands& commands) {
       ->delimiter(',');
   sub->add_flag("--curves", args->settings.curves, "Draw the curves and their points on top");
   sub->add_flag("--fibers", args->settings.fibers,
-                "Draw traced fibres in place of the muscles' surfaces");
+                "Draw traced fibres in place of the muscles' surfaces; in previews streaks along "
+                "the curves");
   sub->add_option("--palette", args->palette, "anatomical or distinct")
       ->check(CLI::IsMember({"anatomical", "distinct"}))
       ->capture_default_str();

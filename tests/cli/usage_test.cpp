@@ -69,7 +69,4 @@ TEST_CASE("a preview is refused where there are no fields to draw, with the way 
   const auto folder = runEcorche("render out -o a.png --preview", temp.path());
   CHECK(folder.exitCode == 1);
   CHECK(folder.err.find("render the project instead") != std::string::npos);
-  const auto fibers = runEcorche("render arm.ecorche -o a.png --preview --fibers", temp.path());
-  CHECK(fibers.exitCode == 1);
-  CHECK(fibers.err.find("leave --fibers or --preview away") != std::string::npos);
 }

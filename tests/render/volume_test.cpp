@@ -19,6 +19,8 @@ using mesh::Vector3;
 
 namespace {
 
+int luminance(const render::Pixel& p) { return (2 * p[0] + 5 * p[1] + p[2]) / 8; }
+
 render::Renderer freshRenderer() {
   auto renderer = render::Renderer::create();
   if (!renderer) FAIL(renderer.error().text());
@@ -269,4 +271,39 @@ TEST_CASE("a view in motion is lit like the picture at rest") {
     return sum / (3.0 * static_cast<double>(image.pixels.size()));
   };
   CHECK(mean(true) == Approx(mean(false)).margin(12.0));
+}
+
+TEST_CASE("streaks run along the flow") {
+  // A slab seen square on, with fibres along X or along Z: light changes more across than along
+  const auto domain = test::boxDomain({.cells = {8, 8, 8}});
+  tissue::FieldMatrix f(domain.mesh.V.rows(), 2);
+  f.col(0).setConstant(0.5);
+  f.col(1) = domain.mesh.V.col(1);
+  render::VolumeItem item = test::volumeItem(domain, f, true);
+  Card card = Card::make();
+  render::Camera camera = test::straightCamera(0.8);
+  camera.eye = {0.5, -10.0, 0.5};
+  camera.target = {0.5, 0.0, 0.5};
+  for (const bool alongX : {true, false}) {
+    item.flow = std::make_shared<mesh::Directions>(
+        Vector3(alongX ? 1.0 : 0.0, 0.0, alongX ? 0.0 : 1.0).transpose().replicate(f.rows(), 1));
+    render::Scene scene;
+    scene.volume = item;
+    auto options = test::plainOptions(200, 200);
+    options.motion = true;
+    REQUIRE(card.renderer.begin(scene, camera, options));
+    card.renderer.pass();
+    const render::Image image = card.renderer.read();
+    double along = 0.0, across = 0.0;
+    for (int y = 20; y < 180; ++y)
+      for (int x = 20; x < 180; ++x) {
+        const int right = std::abs(luminance(image.at(x + 1, y)) - luminance(image.at(x, y)));
+        const int below = std::abs(luminance(image.at(x, y + 1)) - luminance(image.at(x, y)));
+        along += alongX ? right : below;
+        across += alongX ? below : right;
+      }
+    INFO("along X " << alongX << ": " << along << " along, " << across << " across");
+    CHECK(across > 160.0 * 160.0);
+    CHECK(across > 2.5 * along);
+  }
 }

@@ -55,7 +55,7 @@ void checkProject(const std::filesystem::path& file, std::int64_t tets) {
         INFO("hidden " << someHidden << ", cut " << cut << ", azimuth " << azimuth << ": "
                        << a.pixels << " pixels, same " << a.sameTissue << ", of seen " << a.sameSeen
                        << ", normals " << a.normalsClose);
-        CHECK(a.pixels > 5000);
+        CHECK(a.pixels > 2000);
         CHECK(a.sameTissue >= 0.995);
         CHECK(a.sameSeen >= 0.995);
         CHECK(a.normalsClose >= 0.95);

@@ -1,3 +1,4 @@
+#include <ecorche/core/parallel.h>
 #include <ecorche/engine/picture.h>
 #include <ecorche/model/project_check.h>
 #include <ecorche/render/anatomy_scene.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <set>
 
 namespace ecorche::engine {
@@ -84,7 +86,7 @@ void addTissues(const PictureModel& model, const PictureSettings& settings,
     const PictureModel::Tissue& tissue = model.tissues[i];
     if (!visible.showsTissue(tissue)) continue;
     const Rgba colour = colours[static_cast<std::size_t>(tissue.id.value)];
-    if (settings.fibers && tissue.kind == "muscle") {
+    if (settings.fibers && tissue.kind == "muscle" && !model.volume) {
       if (!tissue.fibers.empty())
         scene.lines.push_back(render::fibreItem(tissue.fibers, colour, {.widthPixels = 2.0f}));
     } else if (tissue.surface.mesh && !tissue.surface.mesh->empty()) {
@@ -111,9 +113,10 @@ void addTissues(const PictureModel& model, const PictureSettings& settings,
   }
 }
 
-void addVolume(const PictureModel& model, const Visibility& visible,
-               const std::vector<Rgba>& colours, render::Scene& scene) {
+void addVolume(const PictureModel& model, const PictureSettings& settings,
+               const Visibility& visible, const std::vector<Rgba>& colours, render::Scene& scene) {
   scene.volume = model.volume;
+  if (!settings.fibers) scene.volume->flow = nullptr;
   for (std::size_t i = 0; i < model.tissues.size(); ++i) {
     const PictureModel::Tissue& tissue = model.tissues[i];
     render::VolumeTissue& look = scene.volume->tissues[i];
@@ -187,6 +190,34 @@ PictureModel::Tissue pictureTissue(const model::Tissue& from, const tissue::Curv
 
 }  // namespace
 
+namespace {
+
+// A first idea of the fibres: at every vertex the direction of its owner's curves where they are
+// nearest. Zero in fat.
+std::shared_ptr<const mesh::Directions> curveDirections(
+    const mesh::Positions& V, const std::vector<TissueId>& owner,
+    const std::vector<PictureModel::Tissue>& tissues) {
+  auto out = std::make_shared<mesh::Directions>(mesh::Directions::Zero(V.rows(), 3));
+  parallelFor(V.rows(), [&](std::int64_t v) {
+    const TissueId id = owner[static_cast<std::size_t>(v)];
+    const PictureModel::Tissue& tissue = tissues[static_cast<std::size_t>(id.value - 1)];
+    if (tissue.kind != "muscle") return;
+    const mesh::Vector3 p = V.row(v).transpose();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& line : tissue.curves) {
+      for (std::size_t k = 1; k < line.size(); ++k) {
+        const double away = (0.5 * (line[k - 1] + line[k]) - p).squaredNorm();
+        if (away >= nearest) continue;
+        nearest = away;
+        out->row(v) = (line[k] - line[k - 1]).normalized().transpose();
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
 Result<Preview> preparePreview(const model::Project& project, const BuildOptions& options,
                                RunContext& run) {
   if (auto sound = model::checkProject(project); !sound) return passOn(sound);
@@ -222,6 +253,7 @@ PictureModel pictureModel(const model::Project& project, const Preview& preview)
   volume.fields = std::make_shared<const tissue::FieldMatrix>(preview.fields.values);
   volume.fatIsCandidate = preview.fields.fatIsCandidate;
   volume.tissues.resize(out.tissues.size());
+  volume.flow = curveDirections(domain.mesh.V, owner, out.tissues);
   out.volume = std::move(volume);
   return out;
 }
@@ -299,7 +331,7 @@ Result<render::Image> drawPicture(const PictureModel& model, const PictureSettin
       scene.surfaces.push_back(item(render::Material::Obstacle, obstacle));
   }
   addTissues(model, settings, visible, colours, scene);
-  if (model.volume) addVolume(model, visible, colours, scene);
+  if (model.volume) addVolume(model, settings, visible, colours, scene);
   if (settings.clip) {
     scene.clip = settings.clip;
     if (!model.volume) addSlice(model, settings, visible, colours, scene);

@@ -81,6 +81,34 @@ Result<void> GpuVolume::uploadRecords(GpuVolumeLayer& layer) {
   return {};
 }
 
+void GpuVolume::uploadFlow(const VolumeItem& item, bool otherTets) {
+  const bool otherFlow = item.flow != flow_;
+  const bool hadFlow = flow_ != nullptr;
+  flow_ = item.flow;
+  if (!flow_) return;
+  const mesh::TetMesh& mesh = geometry_->mesh();
+  if (otherTets || !hadFlow) {
+    tetData_ = gl::Buffer::make();
+    glBindBuffer(GL_TEXTURE_BUFFER, tetData_.id());
+    const std::size_t bytes = static_cast<std::size_t>(mesh.T.size()) * sizeof(std::int32_t);
+    glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(bytes), mesh.T.data(), GL_STATIC_DRAW);
+    contentBytes_ += bytes;
+    bufferTexture(tets_, tetData_, GL_RGBA32I);
+  }
+  if (!otherTets && !otherFlow) return;
+  EC_REQUIRE_EQ(flow_->rows(), mesh.V.rows());
+  std::vector<float> data(4 * static_cast<std::size_t>(flow_->rows()), 0.0f);
+  for (Eigen::Index v = 0; v < flow_->rows(); ++v)
+    for (Eigen::Index c = 0; c < 3; ++c)
+      data[static_cast<std::size_t>(4 * v + c)] = static_cast<float>((*flow_)(v, c));
+  flowData_ = gl::Buffer::make();
+  glBindBuffer(GL_TEXTURE_BUFFER, flowData_.id());
+  glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(float)), data.data(),
+               GL_STATIC_DRAW);
+  contentBytes_ += data.size() * sizeof(float);
+  bufferTexture(flowTexture_, flowData_, GL_RGBA32F);
+}
+
 void GpuVolume::smoothFields(const VolumeItem& item, bool otherTets) {
   const bool same = item.fields == fields_ && item.fieldsRevision == fieldsRevision_;
   if (same && !otherTets) return;
@@ -104,6 +132,7 @@ Result<void> GpuVolume::update(const VolumeItem& item, const std::optional<ClipP
     uploadPositions();
   }
   uploadTissues(item);
+  uploadFlow(item, otherTets);
   smoothFields(item, otherTets);
   if (wanted.size() != layers_.size()) surfaceFresh_ = false;
   layers_.resize(wanted.size());

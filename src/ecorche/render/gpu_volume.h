@@ -45,6 +45,11 @@ class GpuVolume {
   [[nodiscard]] const gl::Texture& positions() const { return positions_; }  ///< of vertices
   /// Colour and roughness; opacity: two texels per column.
   [[nodiscard]] const gl::Texture& tissues() const { return tissues_; }
+  /// Directions of fibres at vertices, and the corners of all tets to look them up by; only where the
+  /// item has them.
+  [[nodiscard]] bool hasFlow() const { return flow_ != nullptr; }
+  [[nodiscard]] const gl::Texture& flow() const { return flowTexture_; }
+  [[nodiscard]] const gl::Texture& tets() const { return tets_; }
   [[nodiscard]] float slack() const { return slack_; }
 
   [[nodiscard]] std::uint64_t contentBytes() const { return contentBytes_; }
@@ -59,8 +64,9 @@ class GpuVolume {
   std::shared_ptr<const VolumeGeometry> geometry_;
   mesh::Vector3 origin_ = mesh::Vector3::Zero();
   float slack_ = 0.0f;
-  gl::Buffer positionData_, tissueData_;
-  gl::Texture positions_, tissues_;
+  gl::Buffer positionData_, tissueData_, flowData_, tetData_;
+  gl::Texture positions_, tissues_, flowTexture_, tets_;
+  std::shared_ptr<const mesh::Directions> flow_;
   std::vector<float> tissueTable_;
   SmoothedFields smoothed_;
   std::shared_ptr<const tissue::FieldMatrix> fields_;  // that smoothed_ is of
@@ -73,6 +79,7 @@ class GpuVolume {
 
   void uploadPositions();
   void uploadTissues(const VolumeItem& item);
+  void uploadFlow(const VolumeItem& item, bool otherTets);
   void smoothFields(const VolumeItem& item, bool otherTets);
   [[nodiscard]] Result<void> uploadRecords(GpuVolumeLayer& layer);
 };

@@ -22,6 +22,7 @@ namespace {
 using mesh::Vector3;
 
 constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a pixel
+constexpr double kGrainRel = 0.0012;  // width of the streaks along fibres
 constexpr double kReachRel = 0.02;  // how far things darken each other in a view in motion
 
 struct Programs {
@@ -549,6 +550,15 @@ void Renderer::Impl::drawVolume() {
     setVolume(p, layer);
     p.setTexture("uFound", 1, GL_TEXTURE_2D, targets.found);
     p.setTexture("uTissues", 2, GL_TEXTURE_BUFFER, volume->tissues());
+    p.set("uPixel", static_cast<float>(pixelSize(camera, options.height)));
+    p.set("uGrain", volume->hasFlow() ? static_cast<float>(kGrainRel * scene.box().diagonal()) : 0.0f);
+    // Samplers of different kinds may not share a unit, used or not
+    p.set("uTets", 3);
+    p.set("uFlow", 4);
+    if (volume->hasFlow()) {
+      p.setTexture("uTets", 3, GL_TEXTURE_BUFFER, volume->tets());
+      p.setTexture("uFlow", 4, GL_TEXTURE_BUFFER, volume->flow());
+    }
   };
   if (opaque.size() == 1) {
     // Looking records up only where something was found: a depth test answers that for whole blocks

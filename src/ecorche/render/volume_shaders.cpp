@@ -45,6 +45,51 @@ vec4 valuesOf(Tet t, int i) {
 }
 )";
 
+// Streaks along the fibres: noise averaged along a piece of the direction at each place, the line
+// integral convolution of Cabral and Leedom [1993] with straight lines. It belongs to the place, so
+// that it stays on the muscle when the eye moves.
+const std::string kStreaks = R"(
+uniform isamplerBuffer uTets;
+uniform samplerBuffer uFlow;
+uniform float uGrain;         // width of a streak [m]; 0: none
+uniform float uPixel;         // metres per pixel: at distance 1, or everywhere where rays are parallel
+float hash(ivec3 q) {
+  uint h = uint(q.x) * 0x8da6b343u ^ uint(q.y) * 0xd8163841u ^ uint(q.z) * 0xcb1ab31fu;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  h = (h ^ (h >> 12)) * 0x297a2d39u;
+  return float((h ^ (h >> 15)) & 0xffffu) / 65535.0;
+}
+float noise(vec3 p) {
+  vec3 cell = floor(p), f = p - cell;
+  ivec3 c = ivec3(cell);
+  f = f * f * (3.0 - 2.0 * f);
+  vec4 x = mix(vec4(hash(c), hash(c + ivec3(0, 1, 0)), hash(c + ivec3(0, 0, 1)), hash(c + ivec3(0, 1, 1))),
+               vec4(hash(c + ivec3(1, 0, 0)), hash(c + ivec3(1, 1, 0)), hash(c + ivec3(1, 0, 1)),
+                    hash(c + ivec3(1, 1, 1))), f.x);
+  vec2 y = mix(x.xz, x.yw, f.y);
+  return mix(y.x, y.y, f.z);
+}
+// -1 … 1, about 0
+float streak(Surface s) {
+  if (uGrain <= 0.0) return 0.0;
+  ivec4 v = texelFetch(uTets, s.tet);
+  vec3 d = vec3(0.0), first = texelFetch(uFlow, v.x).xyz;
+  for (int k = 0; k < 4; ++k) {
+    vec3 own = texelFetch(uFlow, v[k]).xyz;
+    d += s.weight[k] * (dot(own, first) < 0.0 ? -own : own);   // a fibre has no sign here
+  }
+  float size = length(d);
+  if (size < 0.05) return 0.0;
+  // No streak is narrower than two pixels, in steps of two
+  float finest = 2.0 * uPixel * (uParallel > 0.5 ? 1.0 : distance(s.at, uEye));
+  float grain = uGrain * exp2(max(0.0, ceil(log2(finest / uGrain))));
+  float sum = 0.0;
+  // Steps shorter than the noise, or the mean would change as much along as across
+  for (int i = -8; i <= 8; ++i) sum += noise((s.at + d * (float(i) * 0.6 * grain / size)) / grain);
+  return clamp((sum / 17.0 - 0.5) * 5.0, -1.0, 1.0);
+}
+)";
+
 // What the fragments of a screen need to look records up.
 const std::string kFound = R"(
 in vec2 vUv;
@@ -91,6 +136,8 @@ struct Surface {
   vec3 at, normal;
   uint column;
   bool cut;
+  int tet;
+  vec4 weight;                // barycentric
 };
 // False where nothing was found
 bool surfaceHere(out Surface s) {
@@ -104,6 +151,8 @@ bool surfaceHere(out Surface s) {
   vec4 at = barycentric(t, s.at);
   vec4 behind = barycentric(t, s.at + ray * uSlack);
   s.cut = kind == 6;
+  s.tet = int(t.meta.y);
+  s.weight = at;
   if (s.cut) {
     s.column = columnOf(t, largest(t, behind, 0, t.count)) & 0x7fffu;
     s.normal = -uClip.xyz;
@@ -234,14 +283,15 @@ void main() {
 }
 
 std::string volumeSurfaceFragment(bool withDepth) {
-  return kVersion + kRecords + kFound + R"(
+  return kVersion + kRecords + kFound + kStreaks + R"(
 layout(location = 0) out vec4 oColour;   // linear colour, roughness
 layout(location = 1) out vec4 oNormal;   // normal, minus the tissue's id
 void main() {
   Surface s;
   if (!surfaceHere(s)) discard;
   vec4 look = texelFetch(uTissues, 2 * int(s.column));
-  oColour = vec4(look.rgb, s.cut ? max(look.a, 0.75) : look.a);
+  float line = s.cut ? 0.0 : streak(s);
+  oColour = vec4(look.rgb * (1.0 + 0.3 * line), s.cut ? max(look.a, 0.75) : clamp(look.a - 0.06 * line, 0.05, 1.0));
   oNormal = vec4(s.normal, -float(s.column) - 1.0);
 )" + (withDepth ? "  gl_FragDepth = windowDepth(s.at);\n}\n" : "}\n");
 }
