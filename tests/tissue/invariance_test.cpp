@@ -232,3 +232,57 @@ TEST_CASE("cancelled before or while solving, the answer is Cancelled") {
   REQUIRE_FALSE(none.has_value());
   CHECK(none.error().code == ErrorCode::Cancelled);
 }
+
+TEST_CASE("curves traced from what is kept are those traced afresh, to the last bit") {
+  const Domain domain = limb();
+  const CurveWalker walker(domain);
+  RunContext run;
+  KeptTraces kept;
+  auto list = tissues();
+  TissueOptions options;
+  const auto same = [](const CoreSamples& a, const CoreSamples& b) {
+    REQUIRE(a.samples.size() == b.samples.size());
+    REQUIRE(a.nearCurves.size() == b.nearCurves.size());
+    for (std::size_t i = 0; i < a.samples.size(); ++i) {
+      const CoreSample &p = a.samples[i], &q = b.samples[i];
+      CHECK((p.tissue == q.tissue && p.curve == q.curve && p.tet == q.tet && p.u == q.u &&
+             p.weight == q.weight && p.barycentric == q.barycentric && p.length == q.length));
+    }
+    for (std::size_t i = 0; i < a.nearCurves.size(); ++i) {
+      const NearCurve &p = a.nearCurves[i], &q = b.nearCurves[i];
+      CHECK((p.vertex == q.vertex && p.sample == q.sample && p.error == q.error));
+    }
+    CHECK(a.coveredShare == b.coveredShare);
+    CHECK(a.findings.size() == b.findings.size());
+  };
+  const auto check = [&] {
+    same(traceCurves(walker, domain, list, options, run, kept).value(),
+         traceCurves(walker, domain, list, options, run).value());
+  };
+  check();
+  check();
+  // A head moved, tissues in another order, one gone, another core
+  std::vector<Vector3> points = list[0].curves[1].spline.points();
+  points[1].x() += 0.02;
+  list[0].curves[1].spline = mesh::Spline(points);
+  check();
+  std::swap(list[0], list[2]);
+  check();
+  list.erase(list.begin() + 1);
+  check();
+  list[0].coreRadius = 0.01;
+  check();
+  options.alpha = 5.0;
+  check();
+  // A curve at fault is told each time, and the next right one is taken
+  const auto right = list;
+  list[0].curves[0].spline = mesh::Spline({{5, 5, 5}, {6, 6, 6}});
+  list[0].curves[0].values = {1.0, 1.0};
+  for (int k = 0; k < 2; ++k) {
+    const auto wrong = traceCurves(walker, domain, list, options, run, kept);
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().code == ErrorCode::CurveOutsideDomain);
+  }
+  list = right;
+  check();
+}

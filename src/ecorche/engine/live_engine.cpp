@@ -54,6 +54,7 @@ std::vector<mesh::Vector3> controlPoints(const model::Project& project) {
 struct Analysed {
   std::shared_ptr<const domain::DomainBuild> domain;
   std::unique_ptr<tissue::CurveWalker> walker;
+  tissue::KeptTraces traces;
   std::shared_ptr<const tissue::TissueSolver> solver;
   std::shared_ptr<const render::VolumeGeometry> geometry;
 };
@@ -313,7 +314,7 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
   const tissue::TissueOptions how = tissueOptions(project);
   Result<tissue::CoreSamples> cores;
   while (true) {
-    cores = tissue::traceCurves(*analysed.walker, there, all, how, run);
+    cores = tissue::traceCurves(*analysed.walker, there, all, how, run, analysed.traces);
     if (cores) break;
     const Error& error = cores.error();
     const auto culprit = std::ranges::find_if(

@@ -268,11 +268,38 @@ Result<CoreSamples> traceCurves(const Domain& domain, const std::vector<CurveTis
   return traceCurves(walker, domain, tissues, options, run);
 }
 
+struct KeptTraces::Entry {
+  // All that a trace depends on, beside the domain
+  std::string name;  // in messages
+  std::vector<Vector3> points;
+  double rho = 0.0;
+  std::optional<double> alpha;
+
+  Job job;
+
+  [[nodiscard]] bool isOf(const Entry& other) const {
+    return name == other.name && points == other.points && rho == other.rho && alpha == other.alpha;
+  }
+};
+
+KeptTraces::KeptTraces() = default;
+KeptTraces::KeptTraces(KeptTraces&&) noexcept = default;
+KeptTraces& KeptTraces::operator=(KeptTraces&&) noexcept = default;
+KeptTraces::~KeptTraces() = default;
+
 Result<CoreSamples> traceCurves(const CurveWalker& walker, const Domain& domain,
                                 const std::vector<CurveTissue>& tissues,
                                 const TissueOptions& options, RunContext& run) {
+  KeptTraces none;
+  return traceCurves(walker, domain, tissues, options, run, none);
+}
+
+Result<CoreSamples> traceCurves(const CurveWalker& walker, const Domain& domain,
+                                const std::vector<CurveTissue>& tissues,
+                                const TissueOptions& options, RunContext& run, KeptTraces& kept) {
   const Stage stage(run, "curves");
-  std::vector<Job> jobs;
+  std::vector<KeptTraces::Entry> entries;
+  std::vector<std::size_t> toTrace;
   for (std::size_t i = 0; i < tissues.size(); ++i) {
     if (tissues[i].curves.empty()) {
       return fail(ErrorCode::MuscleWithoutCurve,
@@ -280,26 +307,40 @@ Result<CoreSamples> traceCurves(const CurveWalker& walker, const Domain& domain,
                   {.object = tissues[i].name});
     }
     for (std::size_t c = 0; c < tissues[i].curves.size(); ++c) {
-      Job job;
-      job.tissue = i;
-      job.curve = c;
-      jobs.push_back(std::move(job));
+      KeptTraces::Entry entry{nameOf(tissues[i], c), tissues[i].curves[c].spline.points(),
+                              coreRadius(tissues[i], options, domain), options.alpha, Job{}};
+      const auto known = std::ranges::find_if(
+          kept.entries_, [&](const KeptTraces::Entry& e) { return e.isOf(entry); });
+      if (known != kept.entries_.end()) {
+        entry.job = known->job;
+        for (CoreSample& s : entry.job.samples) {
+          s.tissue = TissueId(kFirstMuscle.value + static_cast<std::int64_t>(i));
+          s.curve = static_cast<std::int32_t>(c);
+        }
+      } else {
+        toTrace.push_back(entries.size());
+      }
+      entry.job.tissue = i;
+      entry.job.curve = c;
+      entries.push_back(std::move(entry));
     }
   }
   parallelFor(
-      static_cast<std::int64_t>(jobs.size()),
-      [&](std::int64_t j) {
-        Job& job = jobs[static_cast<std::size_t>(j)];
+      static_cast<std::int64_t>(toTrace.size()),
+      [&](std::int64_t k) {
+        Job& job = entries[toTrace[static_cast<std::size_t>(k)]].job;
         if (!run.cancelled()) traceOne(walker, domain, tissues[job.tissue], options, job);
       },
       1);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while tracing curves");
+  kept.entries_ = std::move(entries);
 
   CoreSamples out;
   std::vector<double> covered(tissues.size(), 0.0);
   std::vector<double> length(tissues.size(), 0.0);
-  for (Job& job : jobs) {
-    if (job.error) return tl::unexpected<Error>(std::move(*job.error));
+  for (const KeptTraces::Entry& entry : kept.entries_) {
+    const Job& job = entry.job;
+    if (job.error) return tl::unexpected<Error>(*job.error);
     const auto before = static_cast<std::int32_t>(out.samples.size());
     for (NearCurve near : job.nearCurves) {
       near.sample += before;

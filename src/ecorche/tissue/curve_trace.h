@@ -27,6 +27,30 @@ namespace ecorche::tissue {
                                               const std::vector<CurveTissue>& tissues,
                                               const TissueOptions& options, RunContext& run);
 
+/// Traces kept between edits, for one domain and one walker: a curve that has not moved is not
+/// traced again.
+class KeptTraces {
+ public:
+  KeptTraces();
+  KeptTraces(KeptTraces&&) noexcept;
+  KeptTraces& operator=(KeptTraces&&) noexcept;
+  ~KeptTraces();
+
+  struct Entry;  ///< one curve and what became of it
+
+ private:
+  friend Result<CoreSamples> traceCurves(const CurveWalker&, const domain::Domain&,
+                                         const std::vector<CurveTissue>&, const TissueOptions&,
+                                         RunContext&, KeptTraces&);
+  std::vector<Entry> entries_;
+};
+/// The same to the last bit, from what is kept where that will do; keeps what it made.
+[[nodiscard]] Result<CoreSamples> traceCurves(const CurveWalker& walker,
+                                              const domain::Domain& domain,
+                                              const std::vector<CurveTissue>& tissues,
+                                              const TissueOptions& options, RunContext& run,
+                                              KeptTraces& kept);
+
 /// How far outside the skin a curve may reach, over the skin's diagonal [unitless].
 inline constexpr double kOutsideTolerance = 0.005;
 
