@@ -307,3 +307,31 @@ TEST_CASE("streaks run along the flow") {
     CHECK(across > 2.5 * along);
   }
 }
+
+TEST_CASE("a volume alone is framed on what is seen of it") {
+  // A muscle in one corner of a box, fat everywhere else
+  const auto domain = test::boxDomain({.cells = {16, 16, 16}});
+  tissue::FieldMatrix f(domain.mesh.V.rows(), 2);
+  f.col(0).setConstant(0.0);
+  f.col(1) = (0.25 - domain.mesh.V.rowwise().maxCoeff().array()).matrix();
+  render::Scene scene;
+  scene.volume = test::volumeItem(domain, f, true);
+  Card card = Card::make();
+  const auto shareSeen = [&](const render::Camera& camera) {
+    const auto image = card.draw(*scene.volume, scene.clip, camera, 100, 100);
+    int seen = 0;
+    for (int y = 0; y < 100; ++y)
+      for (int x = 0; x < 100; ++x) {
+        const bool here = image.tissue[image.index(x, y)] != kNoTissue;
+        seen += here ? 1 : 0;
+        if (x < 2 || y < 2 || x > 97 || y > 97) CHECK_FALSE(here);
+      }
+    return seen / 10000.0;
+  };
+  const auto framed = [&] {
+    return render::framed({30.0, 20.0, 24.0, 1.0}, render::ModelAxes{}, scene, 1.0, 0.05);
+  };
+  CHECK(shareSeen(framed()) > 0.35);
+  scene.volume->tissues[1].shift = {3.0, 0.0, 0.0};
+  CHECK(shareSeen(framed()) > 0.35);
+}

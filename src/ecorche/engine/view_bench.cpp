@@ -138,6 +138,7 @@ Result<ViewCase> measure(const model::Project& project, const Preview& preview,
     scene.volume->tissues[i].inCut = true;
   scene.volume->tissues[0].visible = false;
   scene.volume->fieldsRevision = 1;
+  scene.volume->flow = nullptr;  // without streaks, as a rule
   auto context = render::OffscreenContext::create();
   if (!context) return passOn(context);
   auto renderer = render::Renderer::create();

@@ -1,6 +1,7 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/render/light_rig.h>
 #include <ecorche/render/views.h>
+#include <ecorche/tissue/segmentation.h>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -94,6 +95,20 @@ void visitPoints(const Scene& scene, const Visit& visit) {
   for (const PointItem& item : scene.points)
     if (item.points)
       for (const Vector3& p : *item.points) visit(p);
+  if (!scene.volume) return;
+  // Vertices of visible tissues, and beside the clip plane of those that show in the cut
+  const VolumeItem& volume = *scene.volume;
+  const mesh::Positions& V = volume.geometry->mesh().V;
+  const double beside = 0.01 * volume.geometry->box().diagonal();
+  for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    const TissueId owner = tissue::ownerOf(volume.fields->row(v), volume.fatIsCandidate);
+    const VolumeTissue& look = volume.tissues[static_cast<std::size_t>(owner.value - 1)];
+    const Vector3 p = V.row(v).transpose();
+    const bool inCut =
+        look.inCut && scene.clip &&
+        std::abs(scene.clip->normal.normalized().dot(p - scene.clip->point)) < beside;
+    if (look.visible || inCut) visit(p + look.shift);
+  }
 }
 
 // Fits by tangents: in eye axes a point (x, y, z) is inside while |x| ≤ (d − z)·tx; the smallest d
