@@ -32,6 +32,7 @@ struct BenchArguments {
   engine::ViewBenchOptions view;
   std::string viewUp = "z";
   bool withoutPaper = false;
+  bool sizedOnly = false;
 };
 
 std::string percent(double share) { return fmt::format("{:.2f} %", 100.0 * share); }
@@ -292,6 +293,7 @@ Result<void> runView(BenchArguments args, Session& session) {
   if (!project) return passOn(project);
   args.view.tets = *tets;
   args.view.paper = !args.withoutPaper;
+  args.view.uniform = !args.sizedOnly;
   args.view.up = static_cast<char>(std::toupper(args.viewUp.front()));
   auto cases = engine::benchView(*project, args.view, session.run);
   if (!cases) return passOn(cases);
@@ -354,6 +356,8 @@ void addBench(CLI::App& app, Commands& commands) {
   view->add_option("--up", args->viewUp, "Axis that points up: x, y or z")
       ->check(CLI::IsMember({"x", "y", "z", "X", "Y", "Z"}))
       ->capture_default_str();
+  view->add_flag("--sized-only", args->sizedOnly,
+                 "Leave out the domain that does not know the muscles; not every project has one");
   view->add_flag("--without-paper", args->withoutPaper, "Leave the paper's way out");
   bench->footer(
       "Examples:\n"

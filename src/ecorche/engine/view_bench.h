@@ -16,6 +16,7 @@ struct ViewBenchOptions {
   int frames = 24;                   ///< while the view turns once around
   bool paper = true;                 ///< draw it the paper's way too, which takes its time
   char up = 'Z';                     ///< axis that points up in the model
+  bool uniform = true;               ///< the domain that does not know the muscles too
 };
 
 /// Times of frames [s].
