@@ -221,7 +221,9 @@ Result<void> runScale(const BenchArguments& args, Session& session) {
 Json viewJson(const std::vector<engine::ViewCase>& cases, const engine::ViewBenchOptions& options) {
   Json out = benchHeader("view");
   const auto frame = [](const engine::FrameTimes& t) {
-    return Json{{"p50_ms", 1e3 * t.p50}, {"p95_ms", 1e3 * t.p95}, {"max_ms", 1e3 * t.max},
+    return Json{{"p50_ms", 1e3 * t.p50},
+                {"p95_ms", 1e3 * t.p95},
+                {"max_ms", 1e3 * t.max},
                 {"processor_ms", 1e3 * t.processor}};
   };
   for (const engine::ViewCase& c : cases) {
@@ -281,7 +283,8 @@ std::string viewText(const std::vector<engine::ViewCase>& cases) {
                percent(static_cast<double>(c.editBytes) / static_cast<double>(c.fullBytes)),
                fmt::format("{:.2f}", 1e3 * c.pick)});
   return table.text() +
-         "\nframe: bones, muscles and skin, lit, read back; muscles: the step from fat alone, against "
+         "\nframe: bones, muscles and skin, lit, read back; muscles: the step from fat alone, "
+         "against "
          "the paper's way\nedit: share of vertices that a moved curve changed; sent: share of all "
          "bytes that went to the card for it\n";
 }
@@ -297,8 +300,8 @@ Result<void> runView(BenchArguments args, Session& session) {
   args.view.up = static_cast<char>(std::toupper(args.viewUp.front()));
   auto cases = engine::benchView(*project, args.view, session.run);
   if (!cases) return passOn(cases);
-  fmt::print("{}", session.globals.json ? viewJson(*cases, args.view).dump(2) + "\n"
-                                        : viewText(*cases));
+  fmt::print("{}",
+             session.globals.json ? viewJson(*cases, args.view).dump(2) + "\n" : viewText(*cases));
   return {};
 }
 

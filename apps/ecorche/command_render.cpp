@@ -80,8 +80,8 @@ Result<void> runRender(RenderArguments args, Session& session) {
     if (args.preview) {
       auto preview = engine::preparePreview(*project, options, session.run);
       if (!preview) return passOn(preview);
-      picture = engine::drawPicture(engine::pictureModel(*project, *preview), args.settings,
-                                    session.run);
+      picture =
+          engine::drawPicture(engine::pictureModel(*project, *preview), args.settings, session.run);
     } else {
       auto build = engine::build(*project, options, session.run);
       if (!build) return passOn(build);

@@ -12,8 +12,8 @@
 #include <random>
 
 #include "authoring/shapes.h"
-#include "support/shapes.h"
 #include "support/paths.h"
+#include "support/shapes.h"
 
 using namespace ecorche;
 using namespace ecorche::authoring;

@@ -128,8 +128,7 @@ TEST_CASE("check: bones that overlap, touch, poke out, lie within one another") 
 TEST_CASE("check and build: what reaches out of the skin beyond a cut plane is nobody's concern") {
   const SmallProject p;
   p.write("out.obj", ball({0.05, 0, 0}, 0.01));
-  const std::string bones =
-      R"("file": "bone.obj"}, {"name": "spur", "file": "out.obj"})";
+  const std::string bones = R"("file": "bone.obj"}, {"name": "spur", "file": "out.obj"})";
   const auto planes = [](int side) {
     return fmt::format(
         R"(], "cut_planes": [{{"name": "side", "kind": "region", "point": [0, 0, 0],

@@ -185,15 +185,17 @@ TEST_CASE("parts of one name in one file are all there") {
     };
     std::string out = "solid rib\n";
     for (const auto& [a, b, c] : {std::array{0, 2, 1}, {0, 1, 4}, {0, 4, 2}, {1, 2, 4}}) {
-      out += fmt::format("facet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\n"
-                         "endloop\nendfacet\n",
-                         p(a), p(b), p(c));
+      out += fmt::format(
+          "facet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\n"
+          "endloop\nendfacet\n",
+          p(a), p(b), p(c));
     }
     return out + "endsolid rib\n";
   };
   model.write("ribs.stl", solid(0) + solid(0.05) + solid(-0.05));
-  const auto run = model.run("new --skin meshes/skin.obj --bones ribs.stl --unit cm --symmetry none "
-                             "-o p.ecorche --json");
+  const auto run = model.run(
+      "new --skin meshes/skin.obj --bones ribs.stl --unit cm --symmetry none "
+      "-o p.ecorche --json");
   INFO(run.err);
   REQUIRE(run.exitCode == 0);
   const auto project = model::loadProject(model.temp.path() / "p.ecorche").value();

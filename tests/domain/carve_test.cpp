@@ -242,8 +242,8 @@ TEST_CASE("a bone of several pieces is judged piece by piece") {
   RunContext run;
   for (const bool outsideFirst : {true, false}) {
     INFO("outside first: " << outsideFirst);
-    input.holes = {pieces(outsideFirst ? std::vector{outside, inside}
-                                       : std::vector{inside, outside})};
+    input.holes = {
+        pieces(outsideFirst ? std::vector{outside, inside} : std::vector{inside, outside})};
     const auto two = carve(input, kOptions, run);
     REQUIRE(two);
     CHECK(mesh::signedVolume(two->surface.V, two->surface.F) == Approx(64 - 1));
@@ -253,8 +253,8 @@ TEST_CASE("a bone of several pieces is judged piece by piece") {
     CHECK(told(*two, "outside-skin").point->isApprox(Vector3(8.5, 1.5, 1.5)));
     CHECK_FALSE(test::hasFinding(two->findings, "pokes-out"));
 
-    input.holes = {pieces(outsideFirst ? std::vector{outside, across}
-                                       : std::vector{across, outside})};
+    input.holes = {
+        pieces(outsideFirst ? std::vector{outside, across} : std::vector{across, outside})};
     const auto crossing = carve(input, kOptions, run);
     REQUIRE(crossing);
     CHECK(mesh::signedVolume(crossing->surface.V, crossing->surface.F) == Approx(64 - 1));
@@ -276,18 +276,19 @@ TEST_CASE("a bone of several pieces is judged piece by piece") {
   CHECK(cut->leftOut.empty());
 }
 
-TEST_CASE("a bone with one piece in another bone is united with that, whichever piece comes first") {
+TEST_CASE(
+    "a bone with one piece in another bone is united with that, whichever piece comes first") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
   const auto alone = test::box({3, 3, 3}, {3.5, 3.5, 3.5});
   const auto within = test::box({1.25, 1.25, 1.25}, {1.75, 1.75, 1.75});
   RunContext run;
   for (const bool aloneFirst : {true, false}) {
-    input.holes = {bone(test::box({1, 1, 1}, {2, 2, 2}), "outer", 0),
-                   bone(mesh::joined(aloneFirst ? std::vector{alone, within}
-                                                : std::vector{within, alone},
-                                     "two"),
-                        "two", 1)};
+    input.holes = {
+        bone(test::box({1, 1, 1}, {2, 2, 2}), "outer", 0),
+        bone(mesh::joined(aloneFirst ? std::vector{alone, within} : std::vector{within, alone},
+                          "two"),
+             "two", 1)};
     const auto carved = carve(input, kOptions, run);
     REQUIRE(carved);
     CHECK(test::hasFinding(carved->findings, "united"));
@@ -297,8 +298,8 @@ TEST_CASE("a bone with one piece in another bone is united with that, whichever 
 
 TEST_CASE("a bone that encloses one of two skins is not outside") {
   CarveInput input;
-  input.skin = mesh::joined({test::box({0, 0, 0}, {1, 1, 1}), test::box({4, 0, 0}, {5, 1, 1})},
-                            "skin");
+  input.skin =
+      mesh::joined({test::box({0, 0, 0}, {1, 1, 1}), test::box({4, 0, 0}, {5, 1, 1})}, "skin");
   input.holes = {bone(test::box({-1, -1, -1}, {2, 2, 2}), "cap", 0)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
@@ -360,8 +361,8 @@ TEST_CASE("the hollows of thousands of bones are found") {
   const auto outer = test::box({0, 0, 0}, {1, 1, 1});
   const auto inner = test::box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75});
   constexpr int kCount = kSide * kSide * kSide;
-  TaggedSurface surface{mesh::Positions(8 * (1 + 2 * kCount), 3),
-                        mesh::Triangles(12 * (1 + 2 * kCount), 3), {}};
+  TaggedSurface surface{
+      mesh::Positions(8 * (1 + 2 * kCount), 3), mesh::Triangles(12 * (1 + 2 * kCount), 3), {}};
   int next = 0;
   const auto add = [&](const mesh::SurfaceMesh& box, const Vector3& at, bool turned,
                        BoundaryTag tag) {

@@ -122,8 +122,8 @@ TEST_CASE("uncrossing touches nothing far from the crossing") {
 }
 
 TEST_CASE("sheets that meet in a point nearer than doubles can tell: a hull, or none") {
-  // Boxes with a face through one point each, but for rounding: the crossings around it are triangles
-  // without an area
+  // Boxes with a face through one point each, but for rounding: the crossings around it are
+  // triangles without an area
   std::mt19937 random(3);
   std::normal_distribution<double> any;
   for (int trial = 0; trial < 12; ++trial) {

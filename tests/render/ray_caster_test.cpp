@@ -23,8 +23,8 @@ namespace {
 Ray randomRay(const mesh::Box& box, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const auto inside = [&] {
-    return Vector3(box.lo + (box.hi - box.lo).cwiseProduct(Vector3(unit(random), unit(random),
-                                                                   unit(random))));
+    return Vector3(
+        box.lo + (box.hi - box.lo).cwiseProduct(Vector3(unit(random), unit(random), unit(random))));
   };
   std::normal_distribution<double> normal;
   const Vector3 away = Vector3(normal(random), normal(random), normal(random)).normalized();
@@ -126,7 +126,8 @@ TEST_CASE("tissues along a ray are those of the points on it, without gaps") {
         // Just beside a change both answers are right
         bool near = false;
         for (const auto& span : spans)
-          near = near || std::abs(span.enter - s) < 1e-6 * size || std::abs(span.leave - s) < 1e-6 * size;
+          near = near || std::abs(span.enter - s) < 1e-6 * size ||
+                 std::abs(span.leave - s) < 1e-6 * size;
         if (near) continue;
         const TissueId along =
             at < spans.size() && spans[at].enter <= s ? spans[at].tissue : kNoTissue;
@@ -143,7 +144,8 @@ TEST_CASE("what is hit is the first visible piece of the ray") {
     INFO(anatomy.name);
     render::VolumeItem item = test::volumeItem(anatomy);
     std::mt19937_64 random(seed + 100);
-    for (std::size_t i = 1; i < item.tissues.size(); ++i) item.tissues[i].visible = (random() & 3u) != 0;
+    for (std::size_t i = 1; i < item.tissues.size(); ++i)
+      item.tissues[i].visible = (random() & 3u) != 0;
     for (int round = 0; round < 50; ++round) {
       const Ray ray = randomRay(item.geometry->box(), random);
       const auto hit = render::castRay(ray, item);
@@ -160,7 +162,8 @@ TEST_CASE("what is hit is the first visible piece of the ray") {
   }
 }
 
-TEST_CASE("gradients averaged at vertices are exact for a linear field, and normals point outward") {
+TEST_CASE(
+    "gradients averaged at vertices are exact for a linear field, and normals point outward") {
   const auto domain = test::boxDomain({.cells = {5, 5, 5}, .jitter = 0.2});
   const Vector3 slope(0.3, -1.1, 0.7);
   tissue::FieldMatrix f(domain.mesh.V.rows(), 2);
@@ -168,8 +171,7 @@ TEST_CASE("gradients averaged at vertices are exact for a linear field, and norm
   f.col(1) = domain.mesh.V * slope;
   const auto item = test::volumeItem(domain, f, true);
   for (std::int32_t v = 0; v < domain.mesh.V.rows(); ++v)
-    CHECK((render::interfaceNormal(*item.geometry, f, v, 1, 0).cast<double>() +
-           slope.normalized())
+    CHECK((render::interfaceNormal(*item.geometry, f, v, 1, 0).cast<double>() + slope.normalized())
               .norm() < 1e-5);
 }
 

@@ -3,8 +3,8 @@
 #include <ecorche/render/renderer.h>
 #include <ecorche/render/views.h>
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -67,8 +67,8 @@ void checkAgainstRays(Card& card, render::VolumeItem item, std::uint64_t seed, i
     for (const bool cut : {false, true}) {
       std::optional<render::ClipPlane> clip;
       if (cut)
-        clip = {item.geometry->box().centre() + 0.01 * item.geometry->box().diagonal() *
-                                                    Vector3(0.3, 0.1, -0.7),
+        clip = {item.geometry->box().centre() +
+                    0.01 * item.geometry->box().diagonal() * Vector3(0.3, 0.1, -0.7),
                 Vector3(0.7, -0.5, 0.4)};
       int view = 0;
       for (const auto& [azimuth, elevation, fov] :

@@ -103,7 +103,8 @@ TEST_CASE("a preview shows the tissues that a build has, within its pixels") {
   for (std::size_t i = 0; i < drawn->pixels.size(); ++i) {
     int difference = 0;
     for (std::size_t c = 0; c < 3; ++c)
-      difference = std::max(difference, std::abs(int(drawn->pixels[i][c]) - int(meshed->pixels[i][c])));
+      difference =
+          std::max(difference, std::abs(int(drawn->pixels[i][c]) - int(meshed->pixels[i][c])));
     const bool empty = drawn->pixels[i] == render::Pixel{255, 255, 255, 255};
     covered += empty ? 0 : 1;
     far += difference > 60 ? 1 : 0;

@@ -26,8 +26,7 @@ BoneSurface boneSurface(std::string name, const mesh::SurfaceMesh& mesh) {
   // doubled faces may cancel each other
   const bool closed = !check.components.empty() &&
                       std::ranges::all_of(check.components, &mesh::SurfaceCheck::Component::closed);
-  if (closed && check.inconsistentEdges == 0 && check.duplicateFaces == 0)
-    out.solid = out.surface;
+  if (closed && check.inconsistentEdges == 0 && check.duplicateFaces == 0) out.solid = out.surface;
   return out;
 }
 

@@ -35,7 +35,7 @@ bool combine(TaggedMesh& a, const TaggedMesh& b, Operation operation);
 
 /// Pieces of a mesh that hang together by edges.
 struct MeshPieces {
-  std::vector<std::int32_t> label;                       ///< by face index, from 0
+  std::vector<std::int32_t> label;                         ///< by face index, from 0
   std::vector<std::vector<TaggedMesh::Face_index>> faces;  ///< of each piece
 };
 [[nodiscard]] MeshPieces piecesOf(const TaggedMesh& mesh);

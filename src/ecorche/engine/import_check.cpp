@@ -262,8 +262,7 @@ Result<MeshLook> lookAtMesh(const mesh::SurfaceMesh& mesh, MeshRole role, RunCon
     if (finding.remedy.empty()) finding.remedy = remedyOf(finding, role, closes);
     if (finding.severity == Severity::Repaired) finding.severity = Severity::Warning;
     const bool open = finding.kind == "hole" || finding.kind == "lone-face";
-    if (open && role == MeshRole::Skin && !closes)
-      finding.severity = Severity::Error;
+    if (open && role == MeshRole::Skin && !closes) finding.severity = Severity::Error;
   }
   return out;
 }

@@ -269,7 +269,8 @@ PictureModel pictureModel(const model::Project& project, const Build& build) {
     const TissueId id(static_cast<std::int64_t>(i) + 1);
     PictureModel::Tissue tissue{.id = id, .name = build.surfaces[i].mesh.name, .kind = "fat"};
     if (i > 0)
-      tissue = pictureTissue(project.tissues[places[i - 1]], build.tissues[i - 1], id, spacing, out);
+      tissue =
+          pictureTissue(project.tissues[places[i - 1]], build.tissues[i - 1], id, spacing, out);
     tissue.surface = pictureSurface(build.surfaces[i].mesh);
     if (i > 0) {
       tissue.surface.normals = std::make_shared<const mesh::Directions>(envelope::fieldNormals(

@@ -44,9 +44,8 @@ Result<double> moveCurve(const model::Project& project, const domain::Domain& do
   const double step = 0.01 * domain.skinDiagonal;
   // Some ways lead out of the skin: the first that does not
   Result<tissue::SolvedTissues> solved;
-  for (const mesh::Vector3& way :
-       {mesh::Vector3(0.0, 0.6, 0.8), mesh::Vector3(0.0, -0.6, -0.8), mesh::Vector3(1.0, 0.0, 0.0),
-        mesh::Vector3(-1.0, 0.0, 0.0)}) {
+  for (const mesh::Vector3& way : {mesh::Vector3(0.0, 0.6, 0.8), mesh::Vector3(0.0, -0.6, -0.8),
+                                   mesh::Vector3(1.0, 0.0, 0.0), mesh::Vector3(-1.0, 0.0, 0.0)}) {
     model::Project moved = project;
     for (auto& point : moved.tissues[places[places.size() / 2]].curves.front().points)
       point.at += step * way;
@@ -71,9 +70,8 @@ Result<double> moveCurve(const model::Project& project, const domain::Domain& do
 render::Camera cameraFrom(const VolumeItem& item, const ViewBenchOptions& options,
                           double azimuthDeg, double elevationDeg) {
   const mesh::Box box = item.geometry->box();
-  return render::framed({azimuthDeg, elevationDeg, 24.0, 1.0},
-                        render::guessedAxes(box, options.up), box,
-                        static_cast<double>(options.width) / options.height, 0.03);
+  return render::framed({azimuthDeg, elevationDeg, 24.0, 1.0}, render::guessedAxes(box, options.up),
+                        box, static_cast<double>(options.width) / options.height, 0.03);
 }
 
 constexpr std::tuple<double, double> kSides[] = {{25.0, 12.0}, {150.0, -20.0}, {265.0, 55.0}};
@@ -98,9 +96,9 @@ Result<void> compare(render::Renderer& renderer, const VolumeItem& whole,
         const render::Camera camera = cameraFrom(item, options, azimuth, elevation);
         if (auto ok = renderer.begin(scene, camera, how); !ok) return ok;
         renderer.pass();
-        const auto a = render::agreement(
-            renderer.readTissues(),
-            render::castImage(camera, how.width, how.height, item, scene.clip));
+        const auto a =
+            render::agreement(renderer.readTissues(),
+                              render::castImage(camera, how.width, how.height, item, scene.clip));
         out.sameTissue = std::min(out.sameTissue, a.sameTissue);
         out.normalsClose = std::min(out.normalsClose, a.normalsClose);
       }
@@ -170,8 +168,7 @@ Result<ViewCase> measure(const model::Project& project, const Preview& preview,
     for (int i = -1; i < options.frames; ++i) {
       const double from = now();
       if (i == 0) processor = processorNow();
-      const auto camera =
-          cameraFrom(*scene.volume, options, 360.0 * i / options.frames, 12.0);
+      const auto camera = cameraFrom(*scene.volume, options, 360.0 * i / options.frames, 12.0);
       if (auto ok = renderer->begin(what, camera, how); !ok) return passOn(ok);
       if (lit) {
         renderer->pass();

@@ -50,9 +50,7 @@ class Nesting {
   }
 
  private:
-  [[nodiscard]] Vector3 corner(Eigen::Index f, int k) const {
-    return V_.row(F_(f, k)).transpose();
-  }
+  [[nodiscard]] Vector3 corner(Eigen::Index f, int k) const { return V_.row(F_(f, k)).transpose(); }
   [[nodiscard]] bool holds(std::int32_t outer, std::int32_t inner) {
     if (!around(boxes_[index(outer)], boxes_[index(inner)])) return false;
     auto& query = own_[index(outer)];

@@ -194,8 +194,8 @@ SurfaceMesh triangulated(const PolygonSoup& soup) {
     if (!soup.part.empty()) {
       const std::int32_t part = soup.part[static_cast<std::size_t>(p)];
       if (part != last) {
-        mesh.parts.push_back({soup.partNames[static_cast<std::size_t>(part)],
-                              static_cast<std::int32_t>(f), 0});
+        mesh.parts.push_back(
+            {soup.partNames[static_cast<std::size_t>(part)], static_cast<std::int32_t>(f), 0});
       }
       last = part;
       mesh.parts.back().faceCount += n - 2;

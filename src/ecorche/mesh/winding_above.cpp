@@ -20,10 +20,10 @@ std::optional<int> windingAbove(const SurfaceQuery& query, const SurfaceMesh& me
                                 Eigen::Index face, double hair) {
   const Vector3 normal = areaVector(mesh, face).normalized();
   if (!(normal.norm() > 0.5)) return std::nullopt;
-  const Vector3 middle = (mesh.V.row(mesh.F(face, 0)) + mesh.V.row(mesh.F(face, 1)) +
-                          mesh.V.row(mesh.F(face, 2)))
-                             .transpose() /
-                         3.0;
+  const Vector3 middle =
+      (mesh.V.row(mesh.F(face, 0)) + mesh.V.row(mesh.F(face, 1)) + mesh.V.row(mesh.F(face, 2)))
+          .transpose() /
+      3.0;
   for (const SurfaceQuery::Hit& hit : query.allHits(middle, normal)) {
     if (hit.t > hair) return query.windingNumber(middle + 0.5 * hit.t * normal);
   }

@@ -204,8 +204,9 @@ Result<void> GpuScene::upload(const Scene& scene) {
     bare.clip = scene.clip;
     capped_ = withCaps(bare);
     if (capped_.surfaces.size() >= kNotClipped)
-      return fail(ErrorCode::NoGraphics,
-                  "more than 32,767 surfaces and cuts in one picture; join those that share a colour");
+      return fail(
+          ErrorCode::NoGraphics,
+          "more than 32,767 surfaces and cuts in one picture; join those that share a colour");
     held_.surfaces = scene.surfaces;
     held_.surfaceBox = mesh::Box{};
     for (const SurfaceItem& item : capped_.surfaces)

@@ -30,8 +30,8 @@ struct InstanceBatch {
 };
 
 /// A scene on the graphics card, but for its volume. Positions are relative to `origin`, so that 32
-/// bits do for a model that lies far from zero. Only what changed is prepared again, meshes by their
-/// address and revision, and only kinds of things that changed are sent again.
+/// bits do for a model that lies far from zero. Only what changed is prepared again, meshes by
+/// their address and revision, and only kinds of things that changed are sent again.
 class GpuScene {
  public:
   /// @errors NoGraphics if the scene has more items than a batch can number (32,767)

@@ -35,9 +35,9 @@ void GpuVolume::uploadPositions() {
 void GpuVolume::uploadTissues(const VolumeItem& item) {
   std::vector<float> table;
   for (const VolumeTissue& tissue : item.tissues)
-    table.insert(table.end(), {tissue.colour[0], tissue.colour[1], tissue.colour[2],
-                               std::clamp(tissue.roughness, 0.05f, 1.0f), tissue.opacity, 0.0f,
-                               0.0f, 0.0f});
+    table.insert(table.end(),
+                 {tissue.colour[0], tissue.colour[1], tissue.colour[2],
+                  std::clamp(tissue.roughness, 0.05f, 1.0f), tissue.opacity, 0.0f, 0.0f, 0.0f});
   if (table == tissueTable_) return;
   tissueTable_ = std::move(table);
   tissueData_ = gl::Buffer::make();

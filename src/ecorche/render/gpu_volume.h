@@ -45,8 +45,8 @@ class GpuVolume {
   [[nodiscard]] const gl::Texture& positions() const { return positions_; }  ///< of vertices
   /// Colour and roughness; opacity: two texels per column.
   [[nodiscard]] const gl::Texture& tissues() const { return tissues_; }
-  /// Directions of fibres at vertices, and the corners of all tets to look them up by; only where the
-  /// item has them.
+  /// Directions of fibres at vertices, and the corners of all tets to look them up by; only where
+  /// the item has them.
   [[nodiscard]] bool hasFlow() const { return flow_ != nullptr; }
   [[nodiscard]] const gl::Texture& flow() const { return flowTexture_; }
   [[nodiscard]] const gl::Texture& tets() const { return tets_; }

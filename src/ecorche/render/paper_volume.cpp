@@ -146,14 +146,15 @@ Result<PaperVolume> PaperVolume::create(const VolumeItem& item, int width, int h
     if (fat) tets[static_cast<std::size_t>(4 * t)] = -1 - mesh.T(t, 0);
     for (const auto& face : mesh::kTetFace)
       for (const int c : face)
-        corners.push_back({static_cast<std::uint32_t>(mesh.T(t, c)), static_cast<std::uint32_t>(t)});
+        corners.push_back(
+            {static_cast<std::uint32_t>(mesh.T(t, c)), static_cast<std::uint32_t>(t)});
   }
   impl->positions = bufferTexture(impl->positionData, positions.data(),
                                   positions.size() * sizeof(float), GL_RGBA32F);
   impl->fields =
       bufferTexture(impl->fieldData, fields.data(), fields.size() * sizeof(float), GL_RGBA32F);
-  impl->tets = bufferTexture(impl->tetData, tets.data(), tets.size() * sizeof(std::int32_t),
-                             GL_RGBA32I);
+  impl->tets =
+      bufferTexture(impl->tetData, tets.data(), tets.size() * sizeof(std::int32_t), GL_RGBA32I);
   impl->array = gl::VertexArray::make();
   impl->corners = gl::Buffer::make();
   glBindVertexArray(impl->array.id());

@@ -124,9 +124,8 @@ Thin nearestLine(const Scene& scene, const Look& look, double reach, double hidd
         thin.onTop = item.onTop;
         if (thin.beside > reach + 0.5 * static_cast<double>(item.widthPixels)) continue;
         // Equal steps on the screen are not equal in space where the line recedes
-        const double t = look.camera.fovDeg > 0.0
-                             ? s * pa->depth / (s * pa->depth + (1.0 - s) * pb->depth)
-                             : s;
+        const double t =
+            look.camera.fovDeg > 0.0 ? s * pa->depth / (s * pa->depth + (1.0 - s) * pb->depth) : s;
         const Vector3 p = a + t * (b - a);
         if (item.clipped && takenAway(scene.clip, p)) continue;
         thin.pick = {.kind = Pick::Kind::Line, .item = i, .index = n, .at = p};
@@ -158,9 +157,8 @@ Pick Picker::pick(const Scene& scene, const Camera& camera, int width, int heigh
   EC_REQUIRE(width > 0 && height > 0);
   // Trees of surfaces that are no longer in the scene go
   std::erase_if(known_, [&](const auto& entry) {
-    return std::ranges::none_of(scene.surfaces, [&](const SurfaceItem& item) {
-      return item.mesh.get() == entry.first;
-    });
+    return std::ranges::none_of(
+        scene.surfaces, [&](const SurfaceItem& item) { return item.mesh.get() == entry.first; });
   });
 
   const Look look{camera, width, height, pixel, rayThrough(camera, width, height, pixel)};

@@ -17,13 +17,13 @@ namespace ecorche::render {
 struct Pick {
   enum class Kind : std::uint8_t { Nothing, Point, Line, Surface, Tissue };
   Kind kind = Kind::Nothing;
-  std::size_t item = 0;   ///< of scene.points, lines or surfaces
-  std::size_t index = 0;  ///< point, line or face within the item
-  TissueId tissue;        ///< Kind::Tissue
-  mesh::Vector3 at = mesh::Vector3::Zero();  ///< [m]
+  std::size_t item = 0;                          ///< of scene.points, lines or surfaces
+  std::size_t index = 0;                         ///< point, line or face within the item
+  TissueId tissue;                               ///< Kind::Tissue
+  mesh::Vector3 at = mesh::Vector3::Zero();      ///< [m]
   mesh::Vector3 normal = mesh::Vector3::Zero();  ///< unit, towards the eye; surfaces and tissues
-  double distance = 0.0;  ///< along the ray [m]
-  double along = 0.0;     ///< Kind::Line: length along the line up to there [m]
+  double distance = 0.0;                         ///< along the ray [m]
+  double along = 0.0;  ///< Kind::Line: length along the line up to there [m]
 };
 
 struct PickOptions {

@@ -114,7 +114,11 @@ class Caster {
  public:
   Caster(const VolumeItem& item, const std::optional<ClipPlane>& clip,
          const std::vector<TissueId>* owners)
-      : item_(item), geometry_(*item.geometry), fields_(*item.fields), clip_(clip), owners_(owners) {
+      : item_(item),
+        geometry_(*item.geometry),
+        fields_(*item.fields),
+        clip_(clip),
+        owners_(owners) {
     // Rays through vertices and along faces are rare but for grids and cameras that look along an
     // axis: a shift that no picture shows takes them away
     nudge_ = 1e-9 * geometry_.box().diagonal() * Vector3(0.571, 0.314, -0.832);
@@ -297,13 +301,13 @@ class Caster {
       for (int k = 0; k < in; ++k) face += geometry_.neighbours()(piece.tet, k) < 0 ? 1 : 0;
       const auto& corner = geometry_.boundaryNormals(face);
       for (int c = 0; c < 3; ++c)
-        smooth += static_cast<float>(at(mesh::kTetFace[in][c])) * corner[static_cast<std::size_t>(c)];
+        smooth +=
+            static_cast<float>(at(mesh::kTetFace[in][c])) * corner[static_cast<std::size_t>(c)];
     } else {
       Vector3 downhill = Vector3::Zero();
       for (int k = 0; k < 4; ++k) {
         const std::int32_t v = mesh.T(piece.tet, k);
-        downhill +=
-            (fields_(v, before) - fields_(v, piece.column)) * b.gradient.row(k).transpose();
+        downhill += (fields_(v, before) - fields_(v, piece.column)) * b.gradient.row(k).transpose();
         smooth += static_cast<float>(at(k)) *
                   interfaceNormal(geometry_, fields_, v, piece.column, before);
       }
@@ -372,8 +376,7 @@ std::vector<TissueSpan> tissuesAlong(const Ray& ray, const VolumeItem& item,
   Caster caster(item, clip, nullptr);
   caster.pieces(ray, [&](const Piece& piece) {
     const TissueId tissue(piece.column + 1);
-    if (!spans.empty() && spans.back().tissue == tissue &&
-        piece.begin == Piece::Begin::Continued) {
+    if (!spans.empty() && spans.back().tissue == tissue && piece.begin == Piece::Begin::Continued) {
       spans.back().leave = piece.to;
     } else {
       spans.push_back({tissue, piece.from, piece.to});

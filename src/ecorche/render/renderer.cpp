@@ -21,9 +21,9 @@ namespace {
 
 using mesh::Vector3;
 
-constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a pixel
+constexpr int kMaxVeils = 4;          // layers of transparent surfaces told apart in a pixel
 constexpr double kGrainRel = 0.0012;  // width of the streaks along fibres
-constexpr double kReachRel = 0.02;  // how far things darken each other in a view in motion
+constexpr double kReachRel = 0.02;    // how far things darken each other in a view in motion
 
 struct Programs {
   gl::Program volume, volumeSurface, volumeSurfaceOnly, volumeDepth, volumeVeil;
@@ -49,7 +49,8 @@ struct Programs {
                 glsl::volumeSurfaceFragment(false));
     if (ok)
       ok = make(p.volumeDepth, "volume depth", glsl::screenVertex(), glsl::volumeDepthFragment());
-    if (ok) ok = make(p.volumeVeil, "volume veil", glsl::screenVertex(), glsl::volumeVeilFragment());
+    if (ok)
+      ok = make(p.volumeVeil, "volume veil", glsl::screenVertex(), glsl::volumeVeilFragment());
     if (ok) ok = make(p.mesh, "mesh", glsl::meshVertex(), glsl::meshFragment());
     if (ok) ok = make(p.shadow, "shadow", glsl::shadowVertex(), glsl::shadowFragment());
     if (ok) ok = make(p.tube, "tube", glsl::tubeVertex(), glsl::tubeFragment(false));
@@ -75,9 +76,9 @@ struct Targets {
   gl::Texture colour, normal, depth;  // what is seen
   gl::Texture light;                  // lit, with veils
   gl::Texture veilLight, veilDepth[2], veilSum;
-  gl::Texture sum;  // over passes
+  gl::Texture sum;                // over passes
   gl::Texture found, foundDepth;  // records of the volume, and the faces they were entered by
-  gl::Texture open;                // openness at half the size, for views in motion
+  gl::Texture open;               // openness at half the size, for views in motion
   gl::Framebuffer steps, openness, smoothed;
   gl::Framebuffer stepsSeen, litWhereSeen;  // with foundDepth as the depth that is asked
   gl::Framebuffer seen, lit, layer[2], veils, total;
@@ -254,7 +255,8 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
 void Renderer::Impl::fitLights() {
   // Shadows cost a drawing of everything per direction: in large scenes several passes share them
   const std::vector<Eigen::Vector3f> corners = casterCorners();
-  const auto triangles = static_cast<GLsizei>(scene.opaque().casterCount / 3 + volumeCasterCount / 3);
+  const auto triangles =
+      static_cast<GLsizei>(scene.opaque().casterCount / 3 + volumeCasterCount / 3);
   const int lightCount =
       std::clamp(options.lightsPerPass.value_or(triangles > 750'000 ? 8 : 10), 4, glsl::kMaxLights);
   passesPerLights = triangles > 1'500'000 ? 4 : triangles > 250'000 ? 2 : 1;
@@ -305,8 +307,7 @@ std::vector<Eigen::Vector3f> Renderer::Impl::casterCorners() {
   volumeCasterCount = static_cast<GLsizei>(surface.size());
   glBindVertexArray(volumeCasters.id());
   glBindBuffer(GL_ARRAY_BUFFER, volumeCasterData.id());
-  glBufferData(GL_ARRAY_BUFFER,
-               static_cast<GLsizeiptr>(surface.size() * sizeof(Eigen::Vector3f)),
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(surface.size() * sizeof(Eigen::Vector3f)),
                surface.empty() ? nullptr : &corners[first], GL_STATIC_DRAW);
   glEnableVertexAttribArray(0);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector3f), nullptr);
@@ -551,7 +552,8 @@ void Renderer::Impl::drawVolume() {
     p.setTexture("uFound", 1, GL_TEXTURE_2D, targets.found);
     p.setTexture("uTissues", 2, GL_TEXTURE_BUFFER, volume->tissues());
     p.set("uPixel", static_cast<float>(pixelSize(camera, options.height)));
-    p.set("uGrain", volume->hasFlow() ? static_cast<float>(kGrainRel * scene.box().diagonal()) : 0.0f);
+    p.set("uGrain",
+          volume->hasFlow() ? static_cast<float>(kGrainRel * scene.box().diagonal()) : 0.0f);
     // Samplers of different kinds may not share a unit, used or not
     p.set("uTets", 3);
     p.set("uFlow", 4);

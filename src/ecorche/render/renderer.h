@@ -67,10 +67,10 @@ class Renderer {
 
   /// What the last begin() and pass() sent to the graphics card for scene.volume.
   struct VolumeUploads {
-    std::uint64_t content = 0;  ///< tets and fields that are new or changed [bytes]
-    std::uint64_t view = 0;     ///< which of them this eye can see, front to back [bytes]
-    std::int64_t tets = 0;      ///< on the card
-    std::int64_t triangles = 0; ///< drawn in the last pass
+    std::uint64_t content = 0;   ///< tets and fields that are new or changed [bytes]
+    std::uint64_t view = 0;      ///< which of them this eye can see, front to back [bytes]
+    std::int64_t tets = 0;       ///< on the card
+    std::int64_t triangles = 0;  ///< drawn in the last pass
   };
   [[nodiscard]] VolumeUploads volumeUploads() const;
 

@@ -479,8 +479,8 @@ void main() {
 )";
 }
 
-// Smooths stairs along edges [Lottes 2009, FXAA]: an edge is followed to both its ends; how near the
-// pixel is to an end tells how far the thing beside it reaches into it.
+// Smooths stairs along edges [Lottes 2009, FXAA]: an edge is followed to both its ends; how near
+// the pixel is to an end tells how far the thing beside it reaches into it.
 std::string smoothFragment() {
   return kVersion + R"(
 uniform sampler2D uSource;

@@ -12,8 +12,8 @@ namespace ecorche::render {
 struct TissueImage {
   int width = 0;
   int height = 0;
-  std::vector<TissueId> tissue;          ///< kNoTissue where none is seen
-  std::vector<Eigen::Vector3f> normal;   ///< of its surface, unit; zero where none is seen
+  std::vector<TissueId> tissue;         ///< kNoTissue where none is seen
+  std::vector<Eigen::Vector3f> normal;  ///< of its surface, unit; zero where none is seen
 
   TissueImage() = default;
   TissueImage(int w, int h)
@@ -30,11 +30,11 @@ struct TissueImage {
 
 /// How far two pictures of the same size say the same.
 struct Agreement {
-  std::size_t pixels = 0;    ///< where either shows a tissue
-  double sameTissue = 1.0;   ///< share of all pixels of the picture
-  double sameSeen = 1.0;     ///< share of `pixels`: the stricter figure
-  double normalsClose = 1.0; ///< share of pixels with the same tissue whose normals are within 3°
-  double normalP95Deg = 0.0; ///< 95 % of the normals are within this [degrees]
+  std::size_t pixels = 0;     ///< where either shows a tissue
+  double sameTissue = 1.0;    ///< share of all pixels of the picture
+  double sameSeen = 1.0;      ///< share of `pixels`: the stricter figure
+  double normalsClose = 1.0;  ///< share of pixels with the same tissue whose normals are within 3°
+  double normalP95Deg = 0.0;  ///< 95 % of the normals are within this [degrees]
 };
 [[nodiscard]] Agreement agreement(const TissueImage& a, const TissueImage& b);
 

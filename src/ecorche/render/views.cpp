@@ -256,8 +256,8 @@ std::optional<Projected> project(const Camera& camera, int width, int height,
 Ray rayThrough(const Camera& camera, int width, int height, const Eigen::Vector2d& pixel) {
   const EyeAxes eye = eyeAxes(camera);
   const double size = pixelSize(camera, height);
-  const Vector3 aside = (pixel.x() - 0.5 * width) * size * eye.right +
-                        (0.5 * height - pixel.y()) * size * eye.up;
+  const Vector3 aside =
+      (pixel.x() - 0.5 * width) * size * eye.right + (0.5 * height - pixel.y()) * size * eye.up;
   if (camera.fovDeg > 0.0) return {camera.eye, (aside - eye.back).normalized()};
   return {camera.eye + aside, -eye.back};
 }

@@ -55,8 +55,8 @@ struct Projected {
 [[nodiscard]] std::optional<Projected> project(const Camera& camera, int width, int height,
                                                const mesh::Vector3& point);
 
-/// The ray of sight through a pixel (from the top left, centres at .5): from the eye, or, where rays
-/// are parallel, from the plane across them at the eye. The other way round of project().
+/// The ray of sight through a pixel (from the top left, centres at .5): from the eye, or, where
+/// rays are parallel, from the plane across them at the eye. The other way round of project().
 [[nodiscard]] Ray rayThrough(const Camera& camera, int width, int height,
                              const Eigen::Vector2d& pixel);
 

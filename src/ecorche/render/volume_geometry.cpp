@@ -100,7 +100,8 @@ void VolumeGeometry::makeStencils() {
         weight[static_cast<std::size_t>(at)] -= (b - a).cross(c - a) / 6.0;
       }
     }
-    // The middle of the neighbours is not v: what a linear field gains on the way there is taken off
+    // The middle of the neighbours is not v: what a linear field gains on the way there is taken
+    // off
     const auto begin = static_cast<std::size_t>(stencils_.first[i]);
     Vector3 away = Vector3::Zero();
     for (const std::int32_t u : ring) away += (mesh_->V.row(u) - mesh_->V.row(v)).transpose();
@@ -135,8 +136,8 @@ void VolumeGeometry::makeBoundary() {
 
 void VolumeGeometry::makeClusters() {
   const auto tetCount = static_cast<std::int64_t>(mesh_->T.rows());
-  const Eigen::Array3d size = box_.empty() ? Eigen::Array3d::Ones()
-                                           : (box_.hi - box_.lo).array().max(1e-30).eval();
+  const Eigen::Array3d size =
+      box_.empty() ? Eigen::Array3d::Ones() : (box_.hi - box_.lo).array().max(1e-30).eval();
   std::vector<std::pair<std::uint32_t, std::int32_t>> order(static_cast<std::size_t>(tetCount));
   parallelFor(tetCount, [&](std::int64_t t) {
     const Vector3 centre = 0.25 * (corner(*mesh_, t, 0) + corner(*mesh_, t, 1) +
@@ -167,11 +168,13 @@ void VolumeGeometry::makeTree() {
   nodes_.clear();
   if (faceCount == 0) return;
   // Single precision has to hold the faces: boxes grow by more than rounding takes
-  const float slack = static_cast<float>(1e-6 * (box_.diagonal() + box_.lo.norm() + box_.hi.norm()));
+  const float slack =
+      static_cast<float>(1e-6 * (box_.diagonal() + box_.lo.norm() + box_.hi.norm()));
   std::vector<Eigen::Array3f> lo(faceCount);
   std::vector<Eigen::Array3f> hi(faceCount);
   for (std::size_t f = 0; f < faceCount; ++f) {
-    lo[f] = hi[f] = mesh_->V.row(boundary_.F(static_cast<Eigen::Index>(f), 0)).transpose().cast<float>();
+    lo[f] = hi[f] =
+        mesh_->V.row(boundary_.F(static_cast<Eigen::Index>(f), 0)).transpose().cast<float>();
     for (int k = 1; k < 3; ++k) {
       const Eigen::Array3f p =
           mesh_->V.row(boundary_.F(static_cast<Eigen::Index>(f), k)).transpose().cast<float>();
@@ -276,7 +279,8 @@ std::vector<VolumeGeometry::Entry> VolumeGeometry::entries(const Ray& ray) const
         const std::int32_t v = mesh_->T(entry.tet, k);
         if (v != a && v != b && v != c) entry.corner = k;
       }
-      entry.distance = slope != 0.0 ? n.dot(p - ray.from) / slope : (p - ray.from).dot(ray.direction);
+      entry.distance =
+          slope != 0.0 ? n.dot(p - ray.from) / slope : (p - ray.from).dot(ray.direction);
       found.push_back(entry);
     }
   }

@@ -79,15 +79,14 @@ std::vector<VolumeRecords::Range> VolumeRecords::takeChanges() {
 bool VolumeRecords::isCut(std::int32_t tet) const {
   if (kept_.empty()) return false;
   int count = 0;
-  for (int k = 0; k < 4; ++k)
-    count += kept_[static_cast<std::size_t>(geometry_->mesh().T(tet, k))];
+  for (int k = 0; k < 4; ++k) count += kept_[static_cast<std::size_t>(geometry_->mesh().T(tet, k))];
   return count != 0 && count != 4;
 }
 
 void VolumeRecords::updateOwners(const std::vector<std::int32_t>* vertices) {
   const auto set = [&](std::int64_t v) {
-    owner_[static_cast<std::size_t>(v)] = static_cast<std::int16_t>(
-        tissue::ownerOf(fields_->row(v), fatIsCandidate_).value - 1);
+    owner_[static_cast<std::size_t>(v)] =
+        static_cast<std::int16_t>(tissue::ownerOf(fields_->row(v), fatIsCandidate_).value - 1);
   };
   if (vertices) {
     for (const std::int32_t v : *vertices) set(v);
@@ -163,8 +162,7 @@ void VolumeRecords::update(const VolumeItem& item, const SmoothedFields& smoothe
     const std::vector<std::int32_t> ring = withNeighbours(*geometry_, *item.changed, 2);
     const mesh::VertexTets& around = geometry_->vertexTets();
     for (const std::int32_t v : ring)
-      touched.insert(touched.end(),
-                     around.tet.begin() + around.first[static_cast<std::size_t>(v)],
+      touched.insert(touched.end(), around.tet.begin() + around.first[static_cast<std::size_t>(v)],
                      around.tet.begin() + around.first[static_cast<std::size_t>(v) + 1]);
   }
   std::ranges::sort(touched);
@@ -214,8 +212,7 @@ void VolumeRecords::make(std::int32_t tet, const SmoothedFields& smoothed, Chunk
       bool covered = false;
       for (std::size_t o = 0; o < owners && !covered; ++o) {
         covered = true;
-        for (std::size_t k = 0; k < 4 && covered; ++k)
-          covered = value[k] <= candidates[o].value[k];
+        for (std::size_t k = 0; k < 4 && covered; ++k) covered = value[k] <= candidates[o].value[k];
       }
       if (covered) continue;
       if (std::ranges::find(candidates, i, &Candidate::column) != candidates.end()) continue;
@@ -223,14 +220,14 @@ void VolumeRecords::make(std::int32_t tet, const SmoothedFields& smoothed, Chunk
       candidates.push_back({i, value});
     }
   }
-  std::ranges::stable_partition(
-      candidates, [&](const Candidate& c) { return roleOf(c.column) == Role::Seen; });
-  const auto seen = static_cast<std::size_t>(
-      std::ranges::count_if(candidates, [&](const Candidate& c) { return roleOf(c.column) == Role::Seen; }));
+  std::ranges::stable_partition(candidates,
+                                [&](const Candidate& c) { return roleOf(c.column) == Role::Seen; });
+  const auto seen = static_cast<std::size_t>(std::ranges::count_if(
+      candidates, [&](const Candidate& c) { return roleOf(c.column) == Role::Seen; }));
   const std::size_t hidden = candidates.size() - seen;
   const bool cutShows = cut && std::ranges::any_of(candidates, [&](const Candidate& c) {
-    return roleOf(c.column) != Role::Hidden;
-  });
+                          return roleOf(c.column) != Role::Hidden;
+                        });
   if (!cutShows && !(seen > 0 && (hidden > 0 || boundary != 0))) return;
   EC_REQUIRE(candidates.size() < 128);
 
@@ -242,8 +239,7 @@ void VolumeRecords::make(std::int32_t tet, const SmoothedFields& smoothed, Chunk
   const auto seenCorner = [&](std::size_t k) { return roleOf(owner[k]) == Role::Seen; };
   for (std::size_t k = 0; k < 4; ++k) {
     std::array<std::size_t, 3> corner{};
-    for (std::size_t c = 0; c < 3; ++c)
-      corner[c] = static_cast<std::size_t>(mesh::kTetFace[k][c]);
+    for (std::size_t c = 0; c < 3; ++c) corner[c] = static_cast<std::size_t>(mesh::kTetFace[k][c]);
     const bool oneOwner =
         owner[corner[0]] == owner[corner[1]] && owner[corner[0]] == owner[corner[2]];
     // Where one seen tissue owns all corners it owns the face, and no ray comes from hidden there
@@ -273,15 +269,14 @@ void VolumeRecords::make(std::int32_t tet, const SmoothedFields& smoothed, Chunk
     const Vector3 n = gradient.transpose() * Vector3(g[1] - g[0], g[2] - g[0], g[3] - g[0]);
     const double length = n.norm();
     if (length > 0.0)
-      drawn.interface << (n / length).cast<float>(),
-          static_cast<float>((g[0] - n.dot(a)) / length);
+      drawn.interface << (n / length).cast<float>(), static_cast<float>((g[0] - n.dot(a)) / length);
   }
 
   // The record
   made.first = out.texels.size();
   for (int k = 0; k < 3; ++k)
-    out.texels.push_back({bits(gradient(k, 0)), bits(gradient(k, 1)), bits(gradient(k, 2)),
-                          bits(a(k))});
+    out.texels.push_back(
+        {bits(gradient(k, 0)), bits(gradient(k, 1)), bits(gradient(k, 2)), bits(a(k))});
   const auto id = [&](std::size_t i) -> std::uint32_t {
     if (i >= candidates.size()) return 0;
     const bool shown = roleOf(candidates[i].column) == Role::Cut;
@@ -289,8 +284,7 @@ void VolumeRecords::make(std::int32_t tet, const SmoothedFields& smoothed, Chunk
   };
   out.texels.push_back({static_cast<std::uint32_t>(seen) | static_cast<std::uint32_t>(hidden) << 8 |
                             static_cast<std::uint32_t>(boundary) << 16,
-                        static_cast<std::uint32_t>(tet), id(0) | id(1) << 16,
-                        id(2) | id(3) << 16});
+                        static_cast<std::uint32_t>(tet), id(0) | id(1) << 16, id(2) | id(3) << 16});
   for (std::size_t i = 1; i < candidates.size(); ++i) {
     Texel t;
     for (std::size_t k = 0; k < 4; ++k)
@@ -374,8 +368,8 @@ void VolumeRecords::store(const Made& made, const Chunk& from) {
 }
 
 // @param all  every tet there is: records are laid out afresh
-void VolumeRecords::rebuild(const std::vector<std::int32_t>& tets,
-                            const SmoothedFields& smoothed, bool all) {
+void VolumeRecords::rebuild(const std::vector<std::int32_t>& tets, const SmoothedFields& smoothed,
+                            bool all) {
   const auto count = static_cast<std::int64_t>(tets.size());
   const std::int64_t chunkCount = (count + kChunkTets - 1) / kChunkTets;
   std::vector<Chunk> chunks(static_cast<std::size_t>(chunkCount));
@@ -435,7 +429,8 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
     }
     if (std::ranges::max(beyond) == 8) continue;
     const Eigen::Vector3f centre = 0.5f * (lo + hi);
-    order.push_back({eye.parallel ? eye.forward.dot(centre - eye.at) : (centre - eye.at).norm(), c});
+    order.push_back(
+        {eye.parallel ? eye.forward.dot(centre - eye.at) : (centre - eye.at).norm(), c});
   }
   std::ranges::sort(order, [](const Near& a, const Near& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.cluster < b.cluster;
@@ -445,8 +440,8 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
   const auto clusters = static_cast<std::int64_t>(order.size());
   const std::int64_t partCount = (clusters + kClustersPerPart - 1) / kClustersPerPart;
   std::vector<std::vector<Corner>> parts(static_cast<std::size_t>(partCount));
-  const float slack = 1e-6f * static_cast<float>(geometry_->box().diagonal()) +
-                      1e-6f * eye.at.norm();
+  const float slack =
+      1e-6f * static_cast<float>(geometry_->box().diagonal()) + 1e-6f * eye.at.norm();
   parallelFor(
       partCount,
       [&](std::int64_t part) {
@@ -467,10 +462,10 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
             std::uint8_t front = 0;
             float sum = 0.0f;
             for (int k = 0; k < 3; ++k) {
-              const float x =
-                  eye.parallel
-                      ? -d.barycentric.block<1, 3>(k, 0).dot(eye.forward.transpose())
-                      : d.barycentric.block<1, 3>(k, 0).dot(eye.at.transpose()) + d.barycentric(k, 3);
+              const float x = eye.parallel
+                                  ? -d.barycentric.block<1, 3>(k, 0).dot(eye.forward.transpose())
+                                  : d.barycentric.block<1, 3>(k, 0).dot(eye.at.transpose()) +
+                                        d.barycentric(k, 3);
               sum += x;
               if (x < 1e-4f) front |= static_cast<std::uint8_t>(2u << k);
             }
@@ -480,9 +475,9 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
               faces = front;
             } else if (d.innerFaces != 0) {
               // Seen from its seen side an interface is the back of what lies before it
-              const bool away =
-                  eye.parallel ? d.interface.head<3>().dot(eye.forward) < -1e-6f
-                               : d.interface.head<3>().dot(eye.at) + d.interface.w() > slack;
+              const bool away = eye.parallel
+                                    ? d.interface.head<3>().dot(eye.forward) < -1e-6f
+                                    : d.interface.head<3>().dot(eye.at) + d.interface.w() > slack;
               if (!away) faces |= front & d.innerFaces;
             }
             for (std::uint32_t k = 0; k < 4; ++k) {

@@ -94,10 +94,10 @@ class VolumeRecords {
   std::optional<ClipPlane> clip_;
 
   mesh::Vector3 origin_ = mesh::Vector3::Zero();
-  std::vector<std::int16_t> owner_;     // #V, column
-  std::vector<std::uint8_t> kept_;      // #V by the clip plane; empty: no plane
-  std::vector<std::int32_t> cutTets_;   // ascending
-  std::vector<std::int32_t> slotOfTet_; // into drawn_, -1: not drawn
+  std::vector<std::int16_t> owner_;      // #V, column
+  std::vector<std::uint8_t> kept_;       // #V by the clip plane; empty: no plane
+  std::vector<std::int32_t> cutTets_;    // ascending
+  std::vector<std::int32_t> slotOfTet_;  // into drawn_, -1: not drawn
   std::vector<Drawn> drawn_;
   std::vector<std::int32_t> freeSlots_;
   std::vector<std::vector<std::int32_t>> slotsOfCluster_;

@@ -10,8 +10,8 @@ namespace ecorche::tissue {
 
 namespace {
 
-constexpr double kNear = 5e-4;     // relative
-constexpr double kMost = 1e4;      // factor either way
+constexpr double kNear = 5e-4;  // relative
+constexpr double kMost = 1e4;   // factor either way
 constexpr int kSteps = 40;
 
 std::vector<std::vector<double>> timesFactor(std::vector<std::vector<double>> values,
@@ -84,11 +84,12 @@ Result<std::vector<std::vector<double>>> valuesForVolume(ValueFields& fields, st
   if (failed) return tl::unexpected<Error>(std::move(*failed));
   if (std::abs(volumeBest - volume) > 1e-3 * volume) {
     const std::string& name = fields.tissues()[tissue].name;
-    return fail(ErrorCode::ValueOutOfRange,
-                fmt::format("\"{}\" cannot have {:.4g} cm³: {:.4g} cm³ is what its neighbours, skin "
-                            "and bones leave it; make those thinner, or move its curve",
-                            name, 1e6 * volume, 1e6 * volumeBest),
-                {.object = name});
+    return fail(
+        ErrorCode::ValueOutOfRange,
+        fmt::format("\"{}\" cannot have {:.4g} cm³: {:.4g} cm³ is what its neighbours, skin "
+                    "and bones leave it; make those thinner, or move its curve",
+                    name, 1e6 * volume, 1e6 * volumeBest),
+        {.object = name});
   }
   return timesFactor(start, best);
 }
