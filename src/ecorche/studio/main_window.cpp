@@ -113,7 +113,12 @@ MainWindow::MainWindow(engine::LiveOptions options) : session_(std::make_unique<
   refresh();
 }
 
-MainWindow::~MainWindow() = default;
+// The view looks at the session and at a tool, and may be told that the hand has left it while the
+// window goes: it goes before them.
+MainWindow::~MainWindow() {
+  view_->setTool(nullptr);
+  if (!unshown_) delete view_;
+}
 
 void MainWindow::makePanels() {
   setDockOptions(AnimatedDocks | AllowTabbedDocks | AllowNestedDocks);

@@ -1,7 +1,6 @@
 #include <ecorche/render/views.h>
 #include <ecorche/studio/viewport.h>
 
-#include <QElapsedTimer>
 #include <QMouseEvent>
 #include <QOffscreenSurface>
 #include <QOpenGLContext>
@@ -207,8 +206,6 @@ void Viewport::begin(bool quick) {
 }
 
 void Viewport::paintGL() {
-  QElapsedTimer clock;
-  clock.start();
   if (renderer_ && dirty_) begin(quickPicture_);
   dirty_ = false;
   if (!renderer_) {
@@ -222,7 +219,6 @@ void Viewport::paintGL() {
   const bool more = renderer_->pass();
   QOpenGLFramebufferObject::bindDefault();
   renderer_->resolve(0, 0);
-  lastFrameMs_ = static_cast<double>(clock.nsecsElapsed()) * 1e-6;
   emit drawn();
   if (quickPicture_) {
     finished_ = !session_.display().fine;

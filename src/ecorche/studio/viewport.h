@@ -42,13 +42,9 @@ class Viewport : public QOpenGLWidget {
   /// Brings a place to the middle, near enough to see it.
   void flyTo(const mesh::Vector3& place);
 
-  [[nodiscard]] const SceneBuilder& scenes() const { return scenes_; }
   [[nodiscard]] SceneBuilder& scenes() { return scenes_; }
-  /// Why there is no picture; empty where there is.
-  [[nodiscard]] QString trouble() const { return trouble_; }
   /// Every pass that it wants has been made.
   [[nodiscard]] bool isFinished() const { return finished_; }
-  [[nodiscard]] double lastFrameMs() const { return lastFrameMs_; }
 
  public slots:
   void redraw();  ///< something has changed
@@ -83,7 +79,6 @@ class Viewport : public QOpenGLWidget {
   bool finished_ = false;
   bool quickPicture_ = true;
   int framed_ = 0;  // for: 1 meshes, 2 their domain
-  double lastFrameMs_ = 0.0;
   QTimer rest_;  // nothing has moved for a moment
 
   std::optional<NavigationAct> navigating_;
