@@ -63,7 +63,9 @@ Result<void> runValues(const ValuesArguments& args, Session& session) {
   };
   add("tissue value", bench->value);
   add("fat", bench->fat);
-  add("first touch of a muscle", bench->touch);
+  add("all values by one factor", bench->whole);
+  add("first edit of a muscle", bench->touch);
+  add("first edit of another point", bench->point);
   add("factor and solve again", bench->again);
   if (session.globals.json) {
     fmt::print("{}\n", json.dump(2));

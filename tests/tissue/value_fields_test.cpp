@@ -84,9 +84,12 @@ TEST_CASE("fields after any edits of values and fat are those of a solve from sc
     } else {
       const std::size_t t = random() % list.size();
       field = static_cast<Eigen::Index>(t) + 1;
+      // One point of each curve, or the muscle as a whole, or the whole and a point
       std::vector<std::vector<double>> values;
+      const double factor = edit % 3 == 0 ? 1.0 : between(0.7, 1.4);
       for (TissueCurve& curve : list[t].curves) {
-        curve.values[random() % curve.values.size()] = between(0.05, 3.0);
+        for (double& value : curve.values) value *= factor;
+        if (edit % 3 != 1) curve.values[random() % curve.values.size()] = between(0.05, 3.0);
         values.push_back(curve.values);
       }
       changed = edited.setValues(t, values, run).value();

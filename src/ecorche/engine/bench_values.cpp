@@ -62,26 +62,38 @@ Result<ValuesBench> benchValues(const model::Project& project, std::optional<std
     return std::uniform_real_distribution<double>(lo, hi)(random);
   };
 
-  // An artist goes from muscle to muscle and drags a slider at each
+  // An artist goes from muscle to muscle and drags sliders at each
   const std::size_t muscles = std::min(kMuscles, tissues.size());
   const int each = std::max(1, edits / static_cast<int>(muscles));
   for (std::size_t m = 0; m < muscles; ++m) {
     const std::size_t t = m * tissues.size() / muscles;
-    {
-      const Clock clock;
-      if (auto ready = live->touch(t, run); !ready) return passOn(ready);
-      out.touch.seconds.push_back(clock.seconds());
-    }
-    for (int k = 0; k < each; ++k) {
-      std::vector<std::vector<double>> values;
-      for (tissue::TissueCurve& curve : tissues[t].curves) values.push_back(curve.values);
-      auto& curve = values[random() % values.size()];
-      curve[random() % curve.size()] *= between(0.8, 1.25);
-      for (std::size_t c = 0; c < values.size(); ++c) tissues[t].curves[c].values = values[c];
+    std::vector<std::vector<double>> values;
+    for (const tissue::TissueCurve& curve : tissues[t].curves) values.push_back(curve.values);
+    const auto edit = [&](Times& times) -> Result<void> {
       const Clock clock;
       if (auto changed = live->setValues(t, values, run); !changed) return passOn(changed);
-      out.value.seconds.push_back(clock.seconds());
+      times.seconds.push_back(clock.seconds());
+      return {};
+    };
+    Result<void> done;
+    for (std::size_t c = 0; c < values.size() && done; ++c) {
+      for (std::size_t p = 0; p < values[c].size() && done; ++p) {
+        values[c][p] *= between(0.8, 1.25);
+        done = edit(c == 0 && p == 0 ? out.touch : out.point);
+      }
     }
+    for (int k = 0; k < each && done; ++k) {
+      auto& curve = values[random() % values.size()];
+      curve[random() % curve.size()] *= between(0.8, 1.25);
+      done = edit(out.value);
+    }
+    const double factor = between(0.8, 1.25);
+    for (auto& curve : values) {
+      for (double& value : curve) value *= factor;
+    }
+    if (done) done = edit(out.whole);
+    if (!done) return passOn(done);
+    for (std::size_t c = 0; c < values.size(); ++c) tissues[t].curves[c].values = values[c];
     if (run.cancelled()) return fail(ErrorCode::Cancelled, "bench values");
     run.progress("edits", (m + 1.0) / static_cast<double>(muscles));
   }

@@ -21,8 +21,10 @@ struct ValuesBench {
   std::int64_t tets = 0;
   std::int64_t freeVertices = 0;
   std::size_t tissues = 0;
-  Times touch;              ///< first touch of a muscle
-  Times value;              ///< a value of a muscle that was touched, owners at all vertices
+  Times touch;              ///< the first edit of a muscle, owners at all vertices
+  Times point;              ///< the first edit of each of its other control points, likewise
+  Times whole;              ///< all of its values by one factor, likewise
+  Times value;              ///< a value of a point that was edited before, likewise
   Times fat;                ///< fat, likewise
   Times again;              ///< the baseline: factor, solve all fields, owners; analysis reused
   double fieldError = 0.0;  ///< at the end, against a solve from scratch, over the largest value

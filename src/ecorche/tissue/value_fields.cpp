@@ -17,14 +17,45 @@ namespace {
 
 constexpr std::int64_t kGrain = 8192;
 
-// Fat is field 0, tissue i is field i + 1
+// Of values that are as good as proportional to others, relative
+constexpr double kSame = 1e-14;
+
+// What is known of a tissue's equations. Fat is field 0, tissue i is field i + 1
 struct Basis {
   Eigen::Index field = 0;
-  Eigen::MatrixXd phi;  // #V×#points, raw
   Eigen::MatrixXd hat;  // #samples×#points: what D_p is worth at each sample of its own
-  Eigen::VectorXd D;    // of the last edit; empty before the first
-  Eigen::VectorXd raw;  // φ D
+  std::vector<Eigen::VectorXd> phi;  // of every point, raw; empty: nobody asked for it yet
+  Eigen::VectorXd D;                 // that raw is of
+  Eigen::VectorXd raw;               // φ D; empty: not solved for yet
 };
+
+Eigen::VectorXd valuesAt(const std::vector<std::vector<double>>& values) {
+  std::vector<double> all;
+  for (const auto& curve : values) all.insert(all.end(), curve.begin(), curve.end());
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+// D = scale · before, but for the points in `moved`
+struct Step {
+  double scale = 1.0;
+  std::vector<Eigen::Index> moved;
+};
+
+// A muscle as a whole made thicker needs no φ at all
+Step stepTo(const Eigen::VectorXd& before, const Eigen::VectorXd& D) {
+  const auto movedUnder = [&](double scale) {
+    std::vector<Eigen::Index> moved;
+    for (Eigen::Index k = 0; k < D.size(); ++k) {
+      if (std::abs(D[k] - scale * before[k]) > kSame * D[k]) moved.push_back(k);
+    }
+    return moved;
+  };
+  Step one{1.0, movedUnder(1.0)};
+  if (one.moved.size() < 2 || !(before[0] > 0.0)) return one;
+  Step all{D[0] / before[0], {}};
+  all.moved = movedUnder(all.scale);
+  return all.moved.size() < one.moved.size() ? all : one;
+}
 
 }  // namespace
 
@@ -52,7 +83,9 @@ struct ValueFields::Impl {
   [[nodiscard]] Eigen::Index vertexCount() const { return domain->mesh.V.rows(); }
   void findRivals(Eigen::Index field);
   Changed take(Eigen::Index field);
-  [[nodiscard]] Result<const Basis*> basisOf(std::size_t tissue, RunContext& run);
+  [[nodiscard]] Basis& basisOf(std::size_t tissue);
+  [[nodiscard]] Result<void> solveFor(Basis& basis, const std::vector<Eigen::Index>& points,
+                                      RunContext& run) const;
 };
 
 ValueFields::ValueFields(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -161,23 +194,27 @@ ValueFields::Changed ValueFields::Impl::take(Eigen::Index field) {
   return out;
 }
 
-Result<const Basis*> ValueFields::Impl::basisOf(std::size_t tissue, RunContext& run) {
+Basis& ValueFields::Impl::basisOf(std::size_t tissue) {
   EC_REQUIRE(tissue < tissues.size());
   const auto field = static_cast<Eigen::Index>(tissue) + 1;
   const auto known =
       std::ranges::find_if(ready, [&](const Basis& basis) { return basis.field == field; });
   if (known != ready.end()) {
     ready.splice(ready.begin(), ready, known);
-    return &ready.front();
+    return ready.front();
   }
   Basis basis;
   basis.field = field;
-  Eigen::Index points = 0;
+  std::vector<std::vector<double>> values;
   std::vector<Eigen::Index> first;
+  Eigen::Index points = 0;
   for (const TissueCurve& curve : tissues[tissue].curves) {
     first.push_back(points);
     points += static_cast<Eigen::Index>(curve.values.size());
+    values.push_back(curve.values);
   }
+  basis.D = valuesAt(values);
+  basis.phi.resize(static_cast<std::size_t>(points));
   const TissueId id(field + 1);
   basis.hat = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(cores.samples.size()), points);
   for (std::size_t s = 0; s < cores.samples.size(); ++s) {
@@ -194,18 +231,37 @@ Result<const Basis*> ValueFields::Impl::basisOf(std::size_t tissue, RunContext& 
       unit[p] = 0.0;
     }
   }
-  auto phi = solver->solveTargets(factor, cores, tissues, tissue, basis.hat, run);
-  if (!phi) return passOn(phi);
-  basis.phi = std::move(*phi);
   ready.push_front(std::move(basis));
   if (ready.size() > kReady) ready.pop_back();
-  return &ready.front();
+  return ready.front();
 }
 
-Result<void> ValueFields::touch(std::size_t tissue, RunContext& run) {
-  auto basis = impl_->basisOf(tissue, run);
-  if (!basis) return passOn(basis);
-  impl_->findRivals((*basis)->field);
+// Gets φ of these points and the field as it stands. Where a tissue has a matrix of its own, making
+// that is the work: all points come along.
+Result<void> ValueFields::Impl::solveFor(Basis& basis, const std::vector<Eigen::Index>& points,
+                                         RunContext& run) const {
+  const auto tissue = static_cast<std::size_t>(basis.field - 1);
+  std::vector<Eigen::Index> wanted;
+  const auto ask = [&](Eigen::Index p) {
+    if (basis.phi[static_cast<std::size_t>(p)].size() == 0) wanted.push_back(p);
+  };
+  const bool own = !tissues[tissue].anisotropy.isIsotropic();
+  if (own && basis.raw.size() == 0) {
+    for (Eigen::Index p = 0; p < basis.D.size(); ++p) ask(p);
+  } else {
+    for (const Eigen::Index p : points) ask(p);
+  }
+  const bool field = basis.raw.size() == 0;
+  if (wanted.empty() && !field) return {};
+  Eigen::MatrixXd targets(basis.hat.rows(), std::ssize(wanted) + (field ? 1 : 0));
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    targets.col(static_cast<Eigen::Index>(k)) = basis.hat.col(wanted[k]);
+  if (field) targets.rightCols(1) = basis.hat * basis.D;
+  const auto solved = solver->solveTargets(factor, cores, tissues, tissue, targets, run);
+  if (!solved) return passOn(solved);
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    basis.phi[static_cast<std::size_t>(wanted[k])] = solved->col(static_cast<Eigen::Index>(k));
+  if (field) basis.raw = solved->rightCols(1);
   return {};
 }
 
@@ -213,45 +269,33 @@ Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
                                                     const std::vector<std::vector<double>>& values,
                                                     RunContext& run) {
   Impl& I = *impl_;
-  if (auto ready = touch(tissue, run); !ready) return passOn(ready);
-  Basis& basis = I.ready.front();
+  Basis& basis = I.basisOf(tissue);
   CurveTissue& own = I.tissues[tissue];
   EC_REQUIRE_EQ(values.size(), own.curves.size());
-  Eigen::VectorXd D(basis.phi.cols());
-  Eigen::Index p = 0;
-  for (std::size_t c = 0; c < values.size(); ++c) {
+  for (std::size_t c = 0; c < values.size(); ++c)
     EC_REQUIRE_EQ(values[c].size(), own.curves[c].values.size());
-    own.curves[c].values = values[c];
-    for (const double value : values[c]) D[p++] = value;
-  }
+  const Eigen::VectorXd D = valuesAt(values);
+  const Step step = stepTo(basis.D, D);
+  if (auto ready = I.solveFor(basis, step.moved, run); !ready) return passOn(ready);
+  I.findRivals(basis.field);
+  for (std::size_t c = 0; c < values.size(); ++c) own.curves[c].values = values[c];
   I.fields.maxValue = I.options.fat;
   for (const CurveTissue& t : I.tissues) {
     for (const TissueCurve& c : t.curves)
       I.fields.maxValue = std::max(I.fields.maxValue, *std::ranges::max_element(c.values));
   }
 
-  // f = Σ_p D_p φ_p, then what linear tets make wrong of it near curves. A slider moves one value
-  // of many: its share is added
-  const bool fresh = basis.D.size() == 0;
-  std::vector<Eigen::Index> moved;
-  for (Eigen::Index k = 0; k < D.size(); ++k) {
-    if (fresh || D[k] != basis.D[k]) moved.push_back(k);
-  }
-  const bool whole = fresh || 2 * static_cast<Eigen::Index>(moved.size()) > D.size();
+  // f = Σ_p D_p φ_p, then what linear tets make wrong of it near curves
   const Eigen::Index n = I.vertexCount();
-  basis.raw.resize(n);
   parallelFor((n + kGrain - 1) / kGrain,
               [&](std::int64_t chunk) {
                 const Eigen::Index begin = chunk * kGrain;
                 const Eigen::Index count = std::min<Eigen::Index>(kGrain, n - begin);
-                if (whole) {
-                  basis.raw.segment(begin, count).noalias() =
-                      basis.phi.middleRows(begin, count) * D;
-                } else {
-                  for (const Eigen::Index k : moved)
-                    basis.raw.segment(begin, count) +=
-                        (D[k] - basis.D[k]) * basis.phi.col(k).segment(begin, count);
-                }
+                auto raw = basis.raw.segment(begin, count);
+                if (step.scale != 1.0) raw *= step.scale;
+                for (const Eigen::Index k : step.moved)
+                  raw += (D[k] - step.scale * basis.D[k]) *
+                         basis.phi[static_cast<std::size_t>(k)].segment(begin, count);
               },
               1);
   basis.D = D;

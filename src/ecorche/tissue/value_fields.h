@@ -13,10 +13,11 @@ namespace ecorche::tissue {
 /// Fields that follow tissue values and fat at once, while no curve moves.
 ///
 /// Fields are linear in the values: f_i = Σ_p D_p φ_p, φ_p the field of a value 1 at control point
-/// p and 0 at all others, and f_fat = d_fat φ_fat (docs/algorithms/tissue_fields.md). The functions
-/// φ of a tissue are solved for when it is first touched, with the factor that solved the fields;
-/// from then on a value costs a few passes over the vertices. Owners come along: a tissue's field
-/// is compared with the largest of the others, which is looked for once per touch.
+/// p and 0 at all others, and f_fat = d_fat φ_fat (docs/algorithms/tissue_fields.md). The function
+/// φ_p is solved for when p is first edited, with the factor that solved the fields; from then on
+/// its value costs a few passes over the vertices. A tissue whose values all grow by one factor
+/// needs none. Owners come along: a tissue's field is compared with the largest of the others,
+/// which is looked for once whenever another tissue is edited.
 ///
 /// After any edits fields are those of a solve from scratch, to rounding.
 class ValueFields {
@@ -48,15 +49,12 @@ class ValueFields {
   };
   static constexpr double kTold = 1e-5;  ///< of the largest value
 
-  /// Gets a tissue ready, which otherwise its first edit does. Those used longest ago are forgotten
-  /// when there are more than kReady.
-  /// @errors  SystemSingular, Cancelled
-  [[nodiscard]] Result<void> touch(std::size_t tissue, RunContext& run);
+  /// φ of so many tissues are kept; those edited longest ago are forgotten.
   static constexpr std::size_t kReady = 4;
 
   /// All values of one tissue.
   /// @param values  one list per curve, one value per control point [unitless, > 0]
-  /// @errors  those of touch
+  /// @errors  SystemSingular, Cancelled: nothing has changed
   [[nodiscard]] Result<Changed> setValues(std::size_t tissue,
                                           const std::vector<std::vector<double>>& values,
                                           RunContext& run);
