@@ -115,13 +115,14 @@ render::VolumeItem manyMuscles() {
 render::VolumeItem edited(const render::VolumeItem& before, double radius) {
   render::VolumeItem after = before;
   auto values = std::make_shared<tissue::FieldMatrix>(*before.fields);
-  auto changed = std::make_shared<std::vector<std::int32_t>>();
+  auto changed = std::make_shared<render::FieldChange>();
+  changed->columns = {5};
   const mesh::Positions& V = before.geometry->mesh().V;
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
     const double away = (V.row(v).transpose() - Vector3(0.4, 0.5, 0.45)).norm();
     if (away >= radius) continue;
     (*values)(v, 5) += 0.4 * (1.0 - away / radius);
-    changed->push_back(static_cast<std::int32_t>(v));
+    changed->vertices.push_back(static_cast<std::int32_t>(v));
   }
   after.fields = values;
   after.changed = changed;
@@ -149,6 +150,41 @@ TEST_CASE("after an edit the picture is the one that a new renderer draws") {
   }
 }
 
+TEST_CASE("what was prepared elsewhere is drawn as what the renderer makes itself") {
+  Card card = Card::make();
+  render::VolumeItem item = manyMuscles();
+  const render::Camera camera = test::cameraOn(item, 30.0, 20.0);
+  const render::ClipPlane cut{item.geometry->box().centre(), Vector3(0.7, -0.5, 0.4)};
+  const auto same = [&](const render::VolumeItem& given,
+                        const std::optional<render::ClipPlane>& clip) {
+    const auto kept = card.draw(given, clip, camera, 96, 96);
+    render::Renderer used = std::exchange(card.renderer, freshRenderer());
+    render::VolumeItem bare = given;
+    bare.prepared = nullptr;
+    const auto anew = card.draw(bare, clip, camera, 96, 96);
+    card.renderer = std::move(used);
+    const auto a = render::agreement(kept, anew);
+    CHECK(a.pixels > 500);
+    CHECK(a.sameTissue == 1.0);
+    CHECK(a.normalP95Deg == 0.0);
+  };
+  card.draw(item, {}, camera, 96, 96);  // the renderer has others already
+  item = edited(item, 0.3);
+  item.prepared = render::prepareVolume(item, {});
+  same(item, {});
+  same(edited(item, 0.2), {});  // goes on from there
+  // Something was hidden, and a plane came, while it was being made
+  item.prepared = render::prepareVolume(item, {});
+  item.tissues[3].visible = false;
+  same(item, cut);
+}
+
+TEST_CASE("tets far smaller than a pixel are met by the same rays") {
+  Card card = Card::make();
+  checkAgainstRays(card, manyMuscles(), 4, 12, 0.995);
+  checkAgainstRays(card, manyMuscles(), 5, 31, 0.995);
+}
+
 TEST_CASE("an edit sends what changed, a turn of the view sends no content") {
   Card card = Card::make();
   const render::VolumeItem before = manyMuscles();
@@ -166,8 +202,8 @@ TEST_CASE("an edit sends what changed, a turn of the view sends no content") {
     item.fieldsRevision = 2;
     card.draw(item, {}, camera, 64, 64);
     const auto sent = static_cast<double>(card.renderer.volumeUploads().content);
-    const double share =
-        static_cast<double>(item.changed->size()) / static_cast<double>(before.fields->rows());
+    const double share = static_cast<double>(item.changed->vertices.size()) /
+                         static_cast<double>(before.fields->rows());
     INFO("radius " << radius << ": " << share << " of vertices, " << sent / whole << " of bytes");
     CHECK(sent > last);
     // Normals look two vertices further, so a small edit sends more than its share

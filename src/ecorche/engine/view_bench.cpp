@@ -54,17 +54,19 @@ Result<double> moveCurve(const model::Project& project, const domain::Domain& do
   }
   if (!solved) return passOn(solved);
   auto values = std::make_shared<tissue::FieldMatrix>(*item.fields);
-  auto changed = std::make_shared<std::vector<std::int32_t>>();
+  auto changed = std::make_shared<render::FieldChange>();
+  for (Eigen::Index c = 0; c < values->cols(); ++c)
+    changed->columns.push_back(static_cast<std::int32_t>(c));
   const double least = 1e-3 * solved->fields.maxValue;
   for (Eigen::Index v = 0; v < values->rows(); ++v) {
     if ((solved->fields.values.row(v) - values->row(v)).cwiseAbs().maxCoeff() <= least) continue;
     values->row(v) = solved->fields.values.row(v);
-    changed->push_back(static_cast<std::int32_t>(v));
+    changed->vertices.push_back(static_cast<std::int32_t>(v));
   }
   item.fields = values;
   item.changed = changed;
   ++item.fieldsRevision;
-  return static_cast<double>(changed->size()) / static_cast<double>(values->rows());
+  return static_cast<double>(changed->vertices.size()) / static_cast<double>(values->rows());
 }
 
 render::Camera cameraFrom(const VolumeItem& item, const ViewBenchOptions& options,

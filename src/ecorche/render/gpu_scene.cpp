@@ -10,14 +10,6 @@
 namespace ecorche::render {
 namespace {
 
-struct GpuVertex {
-  float position[3];
-  std::int16_t normal[3];
-  std::uint16_t item;  // highest bit: not clipped
-  std::uint16_t colour[4];
-};
-static_assert(sizeof(GpuVertex) == 28);
-
 struct TubeInstance {
   float from[3];
   float to[3];
@@ -31,23 +23,21 @@ struct BallInstance {
   float radius;
 };
 
-constexpr std::uint16_t kNotClipped = 0x8000u;
-
 bool isTransparent(const SurfaceItem& item) {
   if (!item.faceColours) return item.colour[3] < 1.0f;
   return std::any_of(item.faceColours->begin(), item.faceColours->end(),
                      [](const Rgba& c) { return c[3] < 1.0f; });
 }
 
-void store(const Rgba& colour, std::uint16_t* out) {
-  for (std::size_t c = 0; c < 4; ++c)
-    out[c] = static_cast<std::uint16_t>(std::lround(65535.0f * std::clamp(colour[c], 0.0f, 1.0f)));
-}
-
-void storeNormal(const mesh::Directions& normals, Eigen::Index row, std::int16_t* out) {
-  for (Eigen::Index c = 0; c < 3; ++c)
-    out[c] =
-        static_cast<std::int16_t>(std::lround(32767.0 * std::clamp(normals(row, c), -1.0, 1.0)));
+// But for what materials say.
+bool sameShape(const SurfaceItem& a, const SurfaceItem& b) {
+  SurfaceItem dressed = a;
+  dressed.colour = b.colour;
+  dressed.roughness = b.roughness;
+  dressed.cullBack = b.cullBack;
+  dressed.edgeOpacity = b.edgeOpacity;
+  return dressed == b && isTransparent(a) == isTransparent(b) &&
+         !(a.capped && !a.capColour && a.colour != b.colour);
 }
 
 // Every directed edge once in either direction, and volume above 0. Sums of hashes stand for the
@@ -83,68 +73,6 @@ void attribute(GLuint index, GLint size, GLenum type, bool normalised, std::size
   glVertexAttribDivisor(index, divisor);
 }
 
-// What one pass over the items gathers before it goes to the card.
-struct Gathered {
-  std::vector<GpuVertex> vertices;
-  std::vector<std::uint32_t> indices;
-};
-
-void append(const SurfaceItem& item, const ShadingMesh& shading, std::uint16_t number,
-            const mesh::Vector3& origin, Gathered& out) {
-  const mesh::SurfaceMesh& m = *item.mesh;
-  const auto tag = static_cast<std::uint16_t>(number | (item.clipped ? 0u : kNotClipped));
-  const auto vertexOf = [&](std::int32_t n, const Rgba& colour) {
-    GpuVertex v;
-    const std::int32_t source = shading.vertex[static_cast<std::size_t>(n)];
-    for (Eigen::Index c = 0; c < 3; ++c)
-      v.position[c] = static_cast<float>(m.V(source, c) - origin(c));
-    storeNormal(shading.normals, n, v.normal);
-    v.item = tag;
-    store(colour, v.colour);
-    return v;
-  };
-
-  const auto base = static_cast<std::uint32_t>(out.vertices.size());
-  if (!item.faceColours) {
-    out.vertices.resize(base + shading.vertex.size());
-    parallelFor(static_cast<std::int64_t>(shading.vertex.size()), [&](std::int64_t n) {
-      out.vertices[base + static_cast<std::size_t>(n)] =
-          vertexOf(static_cast<std::int32_t>(n), {1.0f, 1.0f, 1.0f, 1.0f});
-    });
-    for (Eigen::Index i = 0; i < shading.F.size(); ++i)
-      out.indices.push_back(base + static_cast<std::uint32_t>(shading.F.data()[i]));
-    return;
-  }
-  // Colours jump from face to face: every face has corners of its own
-  EC_REQUIRE_EQ(static_cast<Eigen::Index>(item.faceColours->size()), m.F.rows());
-  for (Eigen::Index f = 0; f < m.F.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      out.indices.push_back(static_cast<std::uint32_t>(out.vertices.size()));
-      out.vertices.push_back(
-          vertexOf(shading.F(f, k), (*item.faceColours)[static_cast<std::size_t>(f)]));
-    }
-}
-
-void upload(const Gathered& gathered, TriangleBatch& batch) {
-  batch.array = gl::VertexArray::make();
-  batch.vertices = gl::Buffer::make();
-  batch.indices = gl::Buffer::make();
-  batch.indexCount = static_cast<GLsizei>(gathered.indices.size());
-  glBindVertexArray(batch.array.id());
-  fill(batch.vertices, GL_ARRAY_BUFFER, gathered.vertices.data(),
-       gathered.vertices.size() * sizeof(GpuVertex));
-  fill(batch.indices, GL_ELEMENT_ARRAY_BUFFER, gathered.indices.data(),
-       gathered.indices.size() * sizeof(std::uint32_t));
-  constexpr std::size_t stride = sizeof(GpuVertex);
-  attribute(0, 3, GL_FLOAT, false, stride, offsetof(GpuVertex, position), 0);
-  attribute(1, 3, GL_SHORT, true, stride, offsetof(GpuVertex, normal), 0);
-  glEnableVertexAttribArray(2);
-  glVertexAttribIPointer(2, 1, GL_UNSIGNED_SHORT, stride,
-                         reinterpret_cast<const void*>(offsetof(GpuVertex, item)));
-  attribute(3, 4, GL_UNSIGNED_SHORT, true, stride, offsetof(GpuVertex, colour), 0);
-  glBindVertexArray(0);
-}
-
 void storePosition(const mesh::Vector3& p, const mesh::Vector3& origin, float* out) {
   for (Eigen::Index c = 0; c < 3; ++c) out[c] = static_cast<float>(p(c) - origin(c));
 }
@@ -161,7 +89,7 @@ bool clipSegment(const ClipPlane& clip, mesh::Vector3& a, mesh::Vector3& b) {
 
 }  // namespace
 
-const GpuScene::Prepared& GpuScene::prepare(const SurfaceItem& item) {
+GpuScene::Prepared& GpuScene::prepare(const SurfaceItem& item) {
   Prepared& p = prepared_[item.mesh.get()];
   const bool fresh = p.mesh == item.mesh && p.normals == item.normals &&
                      p.revision == item.revision && p.creaseDeg == item.creaseDeg &&
@@ -175,6 +103,7 @@ const GpuScene::Prepared& GpuScene::prepare(const SurfaceItem& item) {
   p.creaseDeg = item.creaseDeg;
   p.smoothing = item.normalSmoothing;
   p.closed = isClosedOutward(*item.mesh);
+  p.far.reset();
   if (!item.normals) {
     p.shading =
         shadingMesh(*item.mesh, {.creaseDeg = item.creaseDeg, .smoothing = item.normalSmoothing});
@@ -189,14 +118,23 @@ const GpuScene::Prepared& GpuScene::prepare(const SurfaceItem& item) {
   return p;
 }
 
-Result<void> GpuScene::upload(const Scene& scene) {
+Result<void> GpuScene::upload(const Scene& scene, bool inMotion) {
   if (scene.surfaces.size() >= kNotClipped)
     return fail(ErrorCode::NoGraphics,
                 "more than 32,767 surfaces in one picture; join those that share a colour");
   const bool sameClip = held_.any && scene.clip == held_.clip;
-  bool sameSurfaces = sameClip && scene.surfaces == held_.surfaces;
+  const bool sameLook = sameClip && scene.surfaces == held_.surfaces;
+  const auto sameShapes = [&] {
+    return std::ranges::equal(scene.surfaces, held_.surfaces, sameShape);
+  };
+  bool sameSurfaces = (sameLook || (sameClip && sameShapes())) && (held_.far || !inMotion);
   bool sameLines = sameClip && scene.lines == held_.lines;
   bool samePoints = held_.any && scene.points == held_.points;
+  if (sameSurfaces && !sameLook) {
+    // Caps follow behind the surfaces that they close
+    std::ranges::copy(scene.surfaces, capped_.surfaces.begin());
+    held_.surfaces = scene.surfaces;
+  }
   if (!sameSurfaces) {
     for (const SurfaceItem& item : scene.surfaces) EC_REQUIRE(item.mesh != nullptr);
     Scene bare;
@@ -208,6 +146,7 @@ Result<void> GpuScene::upload(const Scene& scene) {
           ErrorCode::NoGraphics,
           "more than 32,767 surfaces and cuts in one picture; join those that share a colour");
     held_.surfaces = scene.surfaces;
+    held_.far = held_.far || inMotion;
     held_.surfaceBox = mesh::Box{};
     for (const SurfaceItem& item : capped_.surfaces)
       held_.surfaceBox.add(mesh::boundingBox(*item.mesh));
@@ -246,36 +185,58 @@ Result<void> GpuScene::upload(const Scene& scene) {
   held_.any = true;
 
   if (!sameSurfaces) uploadSurfaces(capped_);
+  if (!sameSurfaces || !sameLook) uploadMaterials(capped_);
   if (!sameLines) uploadLines(scene);
   if (!samePoints) uploadPoints(scene);
   return {};
 }
 
+void GpuScene::lookFrom(const Camera& camera, int height, const Eigen::Matrix4f& toClip) {
+  opaque_.lookFrom(camera, height, toClip, origin_);
+  veils_.lookFrom(camera, height, toClip, origin_);
+}
+
 void GpuScene::uploadSurfaces(const Scene& scene) {
   for (auto& [address, p] : prepared_) p.used = false;
-  Gathered opaque;
-  Gathered veils;
-  std::vector<float> materials;
+  using Kind = TriangleBatch::Kind;
   std::vector<std::size_t> order(scene.surfaces.size());
-  std::vector<int> rank;
+  std::vector<Kind> kind;
   for (std::size_t i = 0; i < order.size(); ++i) {
     order[i] = i;
     const SurfaceItem& item = scene.surfaces[i];
-    rank.push_back(!item.castsShadow ? 2 : prepare(item).closed ? 0 : 1);
+    const bool closed = prepare(item).closed;
+    kind.push_back(!item.castsShadow ? Kind::Unshaded : closed ? Kind::Closed : Kind::Open);
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return kind[i]; });
+  std::erase_if(prepared_, [](const auto& entry) { return !entry.second.used; });
+  if (held_.far) {
+    std::vector<Prepared*> all;
+    for (auto& [address, p] : prepared_) all.push_back(&p);
+    parallelFor(
+        std::ssize(all),
+        [&](std::int64_t i) {
+          Prepared& p = *all[static_cast<std::size_t>(i)];
+          if (!p.far) p.far = farFaces(*p.mesh, p.shading);
+        },
+        1);
+  }
 
-  veilItems_ = static_cast<std::size_t>(
-      std::count_if(scene.surfaces.begin(), scene.surfaces.end(), isTransparent));
-  std::array<std::size_t, 3> end{};
+  veilItems_ = static_cast<std::size_t>(std::ranges::count_if(scene.surfaces, isTransparent));
+  opaque_.clear();
+  veils_.clear();
   for (const std::size_t i : order) {
     const SurfaceItem& item = scene.surfaces[i];
-    append(item, prepare(item).shading, static_cast<std::uint16_t>(i), origin_,
-           isTransparent(item) ? veils : opaque);
-    for (auto r = static_cast<std::size_t>(rank[i]); r < end.size(); ++r)
-      end[r] = opaque.indices.size();
+    const Prepared& p = prepare(item);
+    (isTransparent(item) ? veils_ : opaque_)
+        .add(item, p.shading, p.far && !item.faceColours ? &*p.far : nullptr,
+             static_cast<std::uint16_t>(i), kind[i], origin_);
   }
+  opaque_.upload();
+  veils_.upload();
+}
+
+void GpuScene::uploadMaterials(const Scene& scene) {
+  std::vector<float> materials;
   for (const SurfaceItem& item : scene.surfaces) {
     const Rgba colour = item.faceColours ? Rgba{1.0f, 1.0f, 1.0f, 1.0f} : item.colour;
     materials.insert(materials.end(), colour.begin(), colour.end());
@@ -283,16 +244,6 @@ void GpuScene::uploadSurfaces(const Scene& scene) {
                      {std::clamp(item.roughness, 0.05f, 1.0f), item.edgeOpacity.value_or(-1.0f),
                       item.cullBack ? 1.0f : 0.0f, 0.0f});
   }
-  std::erase_if(prepared_, [](const auto& entry) { return !entry.second.used; });
-
-  render::upload(opaque, opaque_);
-  render::upload(veils, veils_);
-  opaque_.closedCount = static_cast<GLsizei>(end[0]);
-  opaque_.casterCount = static_cast<GLsizei>(end[1]);
-  corners_.resize(opaque.indices.size());
-  for (std::size_t i = 0; i < corners_.size(); ++i)
-    corners_[i] = Eigen::Vector3f::Map(opaque.vertices[opaque.indices[i]].position);
-
   if (materials.empty()) materials.resize(8);
   materialData_ = gl::Buffer::make();
   fill(materialData_, GL_TEXTURE_BUFFER, materials.data(), materials.size() * sizeof(float));

@@ -4,23 +4,12 @@
 
 #include <ecorche/render/gl_objects.h>
 #include <ecorche/render/scene.h>
-#include <ecorche/render/shading_mesh.h>
+#include <ecorche/render/triangle_batch.h>
 
 #include <map>
 #include <vector>
 
 namespace ecorche::render {
-
-/// Triangles of many items in one buffer, drawn by one call.
-struct TriangleBatch {
-  gl::VertexArray array;
-  gl::Buffer vertices;
-  gl::Buffer indices;
-  // Indices in this order: closed items that cast shadows, open items that cast shadows, the rest
-  GLsizei closedCount = 0;  ///< backs of these never show, unless something is cut open
-  GLsizei casterCount = 0;  ///< with the open ones
-  GLsizei indexCount = 0;
-};
 
 /// Instances of segments or balls; those on top are drawn last, over everything.
 struct InstanceBatch {
@@ -34,8 +23,9 @@ struct InstanceBatch {
 /// their address and revision, and only kinds of things that changed are sent again.
 class GpuScene {
  public:
+  /// @param inMotion  coarser surfaces will be asked for
   /// @errors NoGraphics if the scene has more items than a batch can number (32,767)
-  [[nodiscard]] Result<void> upload(const Scene& scene);
+  [[nodiscard]] Result<void> upload(const Scene& scene, bool inMotion);
 
   [[nodiscard]] const mesh::Vector3& origin() const { return origin_; }
   [[nodiscard]] const mesh::Box& box() const {
@@ -49,9 +39,8 @@ class GpuScene {
   /// Colour; roughness, edge opacity (-1: none), outward only: two texels per item.
   [[nodiscard]] const gl::Texture& materials() const { return materials_; }
 
-  /// Corners of opaque triangles, three after another, relative to origin: for fitting lights to
-  /// what is seen.
-  [[nodiscard]] const std::vector<Eigen::Vector3f>& casterCorners() const { return corners_; }
+  /// Chooses how fine surfaces are drawn in motion. Call after upload() or when the eye moved.
+  void lookFrom(const Camera& camera, int height, const Eigen::Matrix4f& toClip);
 
  private:
   struct Prepared {
@@ -62,6 +51,7 @@ class GpuScene {
     double creaseDeg = 0.0;
     int smoothing = 0;
     ShadingMesh shading;
+    std::optional<std::vector<FarFaces>> far;  // made when first wanted
     bool closed = false;
     bool used = false;
   };
@@ -75,7 +65,6 @@ class GpuScene {
   InstanceBatch balls_[2];
   gl::Buffer materialData_;
   gl::Texture materials_;
-  std::vector<Eigen::Vector3f> corners_;
   std::map<const mesh::SurfaceMesh*, Prepared> prepared_;
   // What the buffers hold
   struct Held {
@@ -85,12 +74,14 @@ class GpuScene {
     std::optional<ClipPlane> clip;
     mesh::Box surfaceBox, lineBox, pointBox;
     bool any = false;
+    bool far = false;  // coarser surfaces too
   };
   Held held_;
   Scene capped_;  // surfaces with their cuts filled
 
-  const Prepared& prepare(const SurfaceItem& item);
+  Prepared& prepare(const SurfaceItem& item);
   void uploadSurfaces(const Scene& scene);
+  void uploadMaterials(const Scene& scene);
   void uploadLines(const Scene& scene);
   void uploadPoints(const Scene& scene);
 };

@@ -48,9 +48,9 @@ void GpuVolume::uploadTissues(const VolumeItem& item) {
   bufferTexture(tissues_, tissueData_, GL_RGBA32F);
 }
 
-Result<void> GpuVolume::uploadRecords(GpuVolumeLayer& layer) {
-  const std::vector<VolumeRecords::Texel>& texels = layer.records.texels();
-  const std::vector<VolumeRecords::Range> changes = layer.records.takeChanges();
+Result<void> GpuVolume::uploadRecords(VolumeRecords& records, GpuVolumeLayer& layer) {
+  const std::vector<VolumeRecords::Texel>& texels = records.texels();
+  const std::vector<VolumeRecords::Range> changes = records.takeChanges();
   if (!layer.texels || texels.size() > layer.capacity) {
     GLint largest = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &largest);
@@ -109,56 +109,49 @@ void GpuVolume::uploadFlow(const VolumeItem& item, bool otherTets) {
   bufferTexture(flowTexture_, flowData_, GL_RGBA32F);
 }
 
-void GpuVolume::smoothFields(const VolumeItem& item, bool otherTets) {
-  const bool same = item.fields == fields_ && item.fieldsRevision == fieldsRevision_;
-  if (same && !otherTets) return;
-  const bool next = !otherTets && item.changed && item.fieldsRevision == fieldsRevision_ + 1;
-  smoothed_.update(*geometry_, *item.fields, next ? item.changed.get() : nullptr);
-  fields_ = item.fields;
-  fieldsRevision_ = item.fieldsRevision;
-}
-
 Result<void> GpuVolume::update(const VolumeItem& item, const std::optional<ClipPlane>& clip) {
   contentBytes_ = 0;
-  const std::vector<VolumeLayer> wanted = volumeLayers(item);
+  const bool taken = item.prepared != nullptr && item.prepared != content_;
+  if (taken) content_ = item.prepared;
+  content_->update(item, clip);
   const bool otherTets = item.geometry != geometry_;
   if (otherTets) {
     geometry_ = item.geometry;
     const mesh::Box& box = geometry_->box();
     origin_ = box.empty() ? mesh::Vector3::Zero() : box.centre();
     slack_ = static_cast<float>(2e-6 * box.diagonal());
-    layers_.clear();
-    surfaceFresh_ = false;
     uploadPositions();
   }
   uploadTissues(item);
   uploadFlow(item, otherTets);
-  smoothFields(item, otherTets);
-  if (wanted.size() != layers_.size()) surfaceFresh_ = false;
+  const auto& wanted = content_->layers();
+  if (otherTets || taken || wanted.size() != layers_.size()) surfaceFresh_ = false;
   layers_.resize(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!layers_[i]) layers_[i] = std::make_unique<GpuVolumeLayer>();
     GpuVolumeLayer& layer = *layers_[i];
-    if (!(layer.layer == wanted[i])) surfaceFresh_ = false;
-    layer.layer = wanted[i];
-    layer.records.update(item, smoothed_, layer.layer, clip);
-    if (auto ok = uploadRecords(layer); !ok) return ok;
+    if (!(layer.layer == wanted[i]->layer)) surfaceFresh_ = false;
+    layer.layer = wanted[i]->layer;
+    if (auto ok = uploadRecords(wanted[i]->records, layer); !ok) return ok;
   }
   return {};
 }
 
-void GpuVolume::lookFrom(const Camera& camera, int width, int height, const mesh::Box& box) {
+void GpuVolume::lookFrom(const Camera& camera, int width, int height, const mesh::Box& box,
+                         bool middles) {
   viewBytes_ = 0;
   const EyeAxes axes = eyeAxes(camera);
   std::vector<VolumeRecords::Corner> corners;
-  for (const auto& layer : layers_) {
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    const auto& layer = layers_[i];
     const mesh::Vector3 origin = origin_ + layer->layer.shift;
     VolumeRecords::Eye eye;
     eye.at = (camera.eye - origin).cast<float>();
     eye.forward = (-axes.back).cast<float>();
     eye.parallel = camera.fovDeg <= 0.0;
     eye.worldToClip = viewProjection(camera, width, height, box, origin).cast<float>();
-    layer->records.trianglesFrom(eye, corners);
+    if (middles) eye.pixels = {static_cast<float>(width), static_cast<float>(height)};
+    content_->layers()[i]->records.trianglesFrom(eye, corners);
 
     if (!layer->array) {
       layer->array = gl::VertexArray::make();
@@ -183,7 +176,7 @@ void GpuVolume::lookFrom(const Camera& camera, int width, int height, const mesh
 
 std::int64_t GpuVolume::tetCount() const {
   std::int64_t count = 0;
-  for (const auto& layer : layers_) count += layer->records.drawnTets();
+  for (const auto& layer : content_->layers()) count += layer->records.drawnTets();
   return count;
 }
 
@@ -197,7 +190,7 @@ const std::vector<Eigen::Vector3f>& GpuVolume::surface() {
   if (surfaceFresh_) return surface_;
   surface_.clear();
   std::vector<Eigen::Vector3f> own;
-  for (const auto& layer : layers_) {
+  for (const auto& layer : content_->layers()) {
     if (layer->layer.veil) continue;
     layer->records.surfaceTriangles(own);
     const Eigen::Vector3f shift = layer->layer.shift.cast<float>();

@@ -5,7 +5,7 @@
 #include <ecorche/core/result.h>
 #include <ecorche/render/gl_objects.h>
 #include <ecorche/render/scene.h>
-#include <ecorche/render/volume_records.h>
+#include <ecorche/render/volume_content.h>
 
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,6 @@ namespace ecorche::render {
 /// The records of one layer on the graphics card, and the triangles that the eye goes in by.
 struct GpuVolumeLayer {
   VolumeLayer layer;
-  VolumeRecords records;
   gl::Buffer texels;
   gl::Texture texture;
   std::size_t capacity = 0;  // texels
@@ -34,9 +33,10 @@ class GpuVolume {
   [[nodiscard]] Result<void> update(const VolumeItem& item, const std::optional<ClipPlane>& clip);
 
   /// Chooses what the eye may see. Call before drawing, after update() or when the eye moved.
-  /// @param eye            in the world
-  /// @param viewProjection from places relative to origin() + the layer's shift to clip space
-  void lookFrom(const Camera& camera, int width, int height, const mesh::Box& box);
+  ///
+  /// @param box      of the scene
+  /// @param middles  the picture asks for the middle of every pixel and nothing else
+  void lookFrom(const Camera& camera, int width, int height, const mesh::Box& box, bool middles);
 
   [[nodiscard]] const mesh::Vector3& origin() const { return origin_; }
   [[nodiscard]] const std::vector<std::unique_ptr<GpuVolumeLayer>>& layers() const {
@@ -61,16 +61,14 @@ class GpuVolume {
   [[nodiscard]] const std::vector<Eigen::Vector3f>& surface();
 
  private:
-  std::shared_ptr<const VolumeGeometry> geometry_;
+  std::shared_ptr<VolumeContent> content_ = std::make_shared<VolumeContent>();
+  std::shared_ptr<const VolumeGeometry> geometry_;  // that positions_ is of
   mesh::Vector3 origin_ = mesh::Vector3::Zero();
   float slack_ = 0.0f;
   gl::Buffer positionData_, tissueData_, flowData_, tetData_;
   gl::Texture positions_, tissues_, flowTexture_, tets_;
   std::shared_ptr<const mesh::Directions> flow_;
   std::vector<float> tissueTable_;
-  SmoothedFields smoothed_;
-  std::shared_ptr<const tissue::FieldMatrix> fields_;  // that smoothed_ is of
-  std::uint64_t fieldsRevision_ = 0;
   std::vector<std::unique_ptr<GpuVolumeLayer>> layers_;
   std::vector<Eigen::Vector3f> surface_;
   bool surfaceFresh_ = false;
@@ -80,8 +78,7 @@ class GpuVolume {
   void uploadPositions();
   void uploadTissues(const VolumeItem& item);
   void uploadFlow(const VolumeItem& item, bool otherTets);
-  void smoothFields(const VolumeItem& item, bool otherTets);
-  [[nodiscard]] Result<void> uploadRecords(GpuVolumeLayer& layer);
+  [[nodiscard]] Result<void> uploadRecords(VolumeRecords& records, GpuVolumeLayer& layer);
 };
 
 }  // namespace ecorche::render

@@ -200,7 +200,6 @@ struct Renderer::Impl {
   void drawScreen(int divisor = 1) const;
   void drawScreenWhereSeen(const gl::Program& p) const;
   std::array<int, 4> boxOnScreen() const;
-  void drawOpaque(GLsizei count) const;
   void drawTubes(const gl::Program& p, bool onTop) const;
   void drawBalls(const gl::Program& p, bool onTop) const;
 };
@@ -221,12 +220,12 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
   clip = newScene.clip;
   background = newScene.background;
   passesDone = 0;
-  if (auto ok = scene.upload(newScene); !ok) return ok;
+  if (auto ok = scene.upload(newScene, o.motion); !ok) return ok;
   showsVolume = newScene.volume.has_value();
   if (showsVolume) {
     if (!volume) volume.emplace();
     if (auto ok = volume->update(*newScene.volume, clip); !ok) return ok;
-    volume->lookFrom(camera, o.width, o.height, scene.box());
+    volume->lookFrom(camera, o.width, o.height, scene.box(), options.samples == 1);
   }
   if (targets.width != o.width || targets.height != o.height) {
     auto made = Targets::make(o.width, o.height);
@@ -238,6 +237,9 @@ Result<void> Renderer::Impl::begin(const Scene& newScene, const Camera& newCamer
     rig = {.passes = 1, .keyPerPass = 1, .rimPerPass = 1, .skyPerPass = 0, .exposure = o.exposure};
     passesPerLights = 1;
     window = boxOnScreen();
+    const Eigen::Matrix4f toClip =
+        viewProjection(camera, o.width, o.height, scene.box(), scene.origin()).cast<float>();
+    scene.lookFrom(camera, o.height, toClip);
   } else {
     fitLights();
   }
@@ -256,7 +258,7 @@ void Renderer::Impl::fitLights() {
   // Shadows cost a drawing of everything per direction: in large scenes several passes share them
   const std::vector<Eigen::Vector3f> corners = casterCorners();
   const auto triangles =
-      static_cast<GLsizei>(scene.opaque().casterCount / 3 + volumeCasterCount / 3);
+      static_cast<GLsizei>(scene.opaque().casterIndices() / 3 + volumeCasterCount / 3);
   const int lightCount =
       std::clamp(options.lightsPerPass.value_or(triangles > 750'000 ? 8 : 10), 4, glsl::kMaxLights);
   passesPerLights = triangles > 1'500'000 ? 4 : triangles > 250'000 ? 2 : 1;
@@ -296,7 +298,7 @@ void Renderer::Impl::setEye(const gl::Program& p) const {
 
 // Opaque triangles relative to the scene's origin, those of the volume's surfaces with them.
 std::vector<Eigen::Vector3f> Renderer::Impl::casterCorners() {
-  std::vector<Eigen::Vector3f> corners = scene.casterCorners();
+  std::vector<Eigen::Vector3f> corners = scene.opaque().corners();
   volumeCasterCount = 0;
   if (!showsVolume) return corners;
   const std::vector<Eigen::Vector3f>& surface = volume->surface();
@@ -420,22 +422,6 @@ std::array<int, 4> Renderer::Impl::boxOnScreen() const {
           static_cast<int>(hi.y())};
 }
 
-// The first `count` indices. Backs of closed surfaces are hidden, from lamps too, and half of all
-// triangles.
-void Renderer::Impl::drawOpaque(GLsizei count) const {
-  const GLsizei closed = clip ? 0 : std::min(count, scene.opaque().closedCount);
-  glBindVertexArray(scene.opaque().array.id());
-  glFrontFace(GL_CCW);
-  glCullFace(GL_BACK);
-  glEnable(GL_CULL_FACE);
-  if (closed > 0) glDrawElements(GL_TRIANGLES, closed, GL_UNSIGNED_INT, nullptr);
-  glDisable(GL_CULL_FACE);
-  if (count > closed)
-    glDrawElements(
-        GL_TRIANGLES, count - closed, GL_UNSIGNED_INT,
-        reinterpret_cast<const void*>(static_cast<std::size_t>(closed) * sizeof(std::uint32_t)));
-}
-
 void Renderer::Impl::drawTubes(const gl::Program& p, bool onTop) const {
   const InstanceBatch& batch = scene.tubes(onTop);
   if (batch.count == 0) return;
@@ -515,7 +501,7 @@ void Renderer::Impl::drawShadows() {
                               static_cast<GLint>(i));
     glClear(GL_DEPTH_BUFFER_BIT);
     programs.shadow.setMatrix("uViewProjection", maps[i].worldToClip.data());
-    drawOpaque(scene.opaque().casterCount);
+    scene.opaque().drawCasters(!clip);
     if (volumeCasterCount > 0) {
       glBindVertexArray(volumeCasters.id());
       glVertexAttribI1ui(2, 0);
@@ -619,7 +605,11 @@ void Renderer::Impl::drawSeen() {
   setEye(p);
   setClip(p);
   p.setTexture("uMaterials", 0, GL_TEXTURE_BUFFER, scene.materials());
-  drawOpaque(scene.opaque().indexCount);
+  if (options.motion) {
+    scene.opaque().drawNear(!clip);
+  } else {
+    scene.opaque().drawAll(!clip);
+  }
   glDisable(GL_CLIP_DISTANCE0);
   drawTubes(programs.tube, false);
   drawBalls(programs.ball, false);
@@ -705,7 +695,7 @@ void Renderer::Impl::smoothEdges() {
 
 // Depth peeling, front to back [Everitt 2001]: each layer is what lies just behind the last one.
 void Renderer::Impl::drawVeils() {
-  if (scene.veils().indexCount == 0) return;
+  if (scene.veils().empty()) return;
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   const int layers = options.motion ? scene.veilItems() > 1 ? 2 : 1 : kMaxVeils;
   if (layers > 1) {
@@ -733,10 +723,13 @@ void Renderer::Impl::drawVeils() {
     p.setTexture("uMaterials", 0, GL_TEXTURE_BUFFER, scene.materials());
     p.setTexture("uDepthMap", 1, GL_TEXTURE_2D, targets.depth);
     p.setTexture("uLastLayer", 2, GL_TEXTURE_2D, targets.veilDepth[1 - now]);
-    glBindVertexArray(scene.veils().array.id());
     // Single pixels at folds are not worth a layer; asking for their number waits for the card
     if (!options.motion) glBeginQuery(GL_SAMPLES_PASSED, drawn.id());
-    glDrawElements(GL_TRIANGLES, scene.veils().indexCount, GL_UNSIGNED_INT, nullptr);
+    if (options.motion) {
+      scene.veils().drawNear(false);
+    } else {
+      scene.veils().drawAll(false);
+    }
     if (!options.motion) {
       glEndQuery(GL_SAMPLES_PASSED);
       GLuint count = 0;

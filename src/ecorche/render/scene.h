@@ -70,13 +70,6 @@ struct PointItem {
   bool operator==(const PointItem&) const = default;
 };
 
-struct ClipPlane {
-  mesh::Vector3 point = mesh::Vector3::Zero();    // [m]
-  mesh::Vector3 normal = mesh::Vector3::UnitX();  // what the normal points at is kept
-
-  bool operator==(const ClipPlane&) const = default;
-};
-
 /// Everything in a picture but the eye.
 struct Scene {
   std::vector<SurfaceItem> surfaces;

@@ -237,6 +237,22 @@ ModelAxes guessedAxes(const mesh::Box& box, char up) {
   return axes;
 }
 
+bool isBeyondPicture(const Eigen::Matrix4f& toClip, const Eigen::Vector3f& lo,
+                     const Eigen::Vector3f& hi) {
+  std::array<int, 5> beyond{};
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector4f p =
+        toClip * Eigen::Vector4f((k & 1) ? hi.x() : lo.x(), (k & 2) ? hi.y() : lo.y(),
+                                 (k & 4) ? hi.z() : lo.z(), 1.0f);
+    beyond[0] += p.x() > p.w();
+    beyond[1] += p.x() < -p.w();
+    beyond[2] += p.y() > p.w();
+    beyond[3] += p.y() < -p.w();
+    beyond[4] += p.z() < -p.w();
+  }
+  return std::ranges::max(beyond) == 8;
+}
+
 double pixelSize(const Camera& camera, int height) {
   return camera.fovDeg > 0.0 ? 2.0 * std::tan(0.5 * camera.fovDeg * kDegree) / height
                              : camera.orthoHeight / height;

@@ -67,6 +67,12 @@ struct Projected {
                                              const mesh::Box& box, const mesh::Vector3& origin,
                                              const Eigen::Vector2d& jitter = {0.0, 0.0});
 
+/// All of a box lies beyond one side of the picture, or behind the eye.
+///
+/// @param toClip  as viewProjection gives, for places relative to the same origin as the box's
+[[nodiscard]] bool isBeyondPicture(const Eigen::Matrix4f& toClip, const Eigen::Vector3f& lo,
+                                   const Eigen::Vector3f& hi);
+
 /// Size of a pixel [m]: at distance 1 m from the eye, or everywhere where rays are parallel.
 [[nodiscard]] double pixelSize(const Camera& camera, int height);
 

@@ -48,28 +48,41 @@ Eigen::Vector3f downhill(const VolumeGeometry::Stencils& s, std::int32_t vertex,
 }  // namespace
 
 void SmoothedFields::update(const VolumeGeometry& geometry, const tissue::FieldMatrix& fields,
-                            const std::vector<std::int32_t>* vertices) {
+                            const FieldChange* change) {
   const VolumeGeometry::Stencils& s = geometry.stencils();
   columns_ = fields.cols();
   values_.resize(static_cast<std::size_t>(fields.size()));
-  const auto smooth = [&](std::int64_t v) {
-    const auto i = static_cast<std::size_t>(v);
-    thread_local Eigen::RowVectorXd sum;
-    sum.setZero(columns_);
-    for (auto n = static_cast<std::size_t>(s.first[i]);
-         n < static_cast<std::size_t>(s.first[i + 1]); ++n)
-      sum += static_cast<double>(s.mean[n]) * fields.row(s.vertex[n]);
-    float* row = values_.data() + v * columns_;
-    for (std::ptrdiff_t c = 0; c < columns_; ++c) row[c] = static_cast<float>(sum(c));
-  };
-  if (!vertices) {
-    parallelFor(fields.rows(), smooth, 256);
+  if (change != nullptr) {
+    const std::vector<std::int32_t> around = withNeighbours(geometry, change->vertices, 1);
+    parallelFor(
+        std::ssize(around),
+        [&](std::int64_t i) {
+          const auto v = static_cast<std::size_t>(around[static_cast<std::size_t>(i)]);
+          for (const std::int32_t c : change->columns) {
+            double sum = 0.0;
+            for (auto n = static_cast<std::size_t>(s.first[v]);
+                 n < static_cast<std::size_t>(s.first[v + 1]); ++n)
+              sum += static_cast<double>(s.mean[n]) * fields(s.vertex[n], c);
+            values_[v * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)] =
+                static_cast<float>(sum);
+          }
+        },
+        1024);
     return;
   }
-  const std::vector<std::int32_t> around = withNeighbours(geometry, *vertices, 1);
   parallelFor(
-      static_cast<std::int64_t>(around.size()),
-      [&](std::int64_t i) { smooth(around[static_cast<std::size_t>(i)]); }, 256);
+      fields.rows(),
+      [&](std::int64_t v) {
+        const auto i = static_cast<std::size_t>(v);
+        thread_local Eigen::RowVectorXd sum;
+        sum.setZero(columns_);
+        for (auto n = static_cast<std::size_t>(s.first[i]);
+             n < static_cast<std::size_t>(s.first[i + 1]); ++n)
+          sum += static_cast<double>(s.mean[n]) * fields.row(s.vertex[n]);
+        float* row = values_.data() + v * columns_;
+        for (std::ptrdiff_t c = 0; c < columns_; ++c) row[c] = static_cast<float>(sum(c));
+      },
+      256);
 }
 
 Eigen::Vector3f interfaceNormal(const VolumeGeometry& geometry, const SmoothedFields& fields,

@@ -33,9 +33,9 @@ struct VolumeLayer {
 /// tets do not show.
 class SmoothedFields {
  public:
-  /// @param vertices  those whose values changed; null: all
+  /// @param change  null: anything
   void update(const VolumeGeometry& geometry, const tissue::FieldMatrix& fields,
-              const std::vector<std::int32_t>* vertices);
+              const FieldChange* change);
   [[nodiscard]] const float* row(std::int32_t vertex) const {
     return values_.data() + static_cast<std::ptrdiff_t>(vertex) * columns_;
   }

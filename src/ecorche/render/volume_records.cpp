@@ -1,5 +1,6 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
+#include <ecorche/render/views.h>
 #include <ecorche/render/volume_records.h>
 #include <ecorche/tissue/segmentation.h>
 
@@ -42,6 +43,21 @@ struct Candidate {
   std::array<double, 4> value;  // at the tet's corners
 };
 
+// A face that lies between the middles of pixels: seen from afar nearly all of them do, and the
+// card would find out only after it has done half of its work [Wihlidal 2016].
+bool missesMiddles(const std::vector<Eigen::Array2f>& screen,
+                   const std::array<std::int32_t, 4>& vertex, std::uint32_t face) {
+  constexpr float kSnap = 1.0f / 64.0f;  // cards round places on the screen, some as much as this
+  const auto at = [&](int c) -> const Eigen::Array2f& {
+    return screen[static_cast<std::size_t>(
+        vertex[static_cast<std::size_t>(mesh::kTetFace[face][c])])];
+  };
+  const Eigen::Array2f lo = at(0).min(at(1)).min(at(2)) - kSnap;
+  const Eigen::Array2f hi = at(0).max(at(1)).max(at(2)) + kSnap;
+  if (!(at(0) + at(1) + at(2)).isFinite().all()) return false;
+  return std::floor(hi.x()) < lo.x() || std::floor(hi.y()) < lo.y();
+}
+
 // A third field shows inside a tet of two owners if and only if it beats both where they are equal
 // on an edge: f_k − max(f_i, f_j) is linear on either side of that cut (DESIGN §6).
 bool showsBetween(const std::array<double, 4>& i, const std::array<double, 4>& j,
@@ -83,17 +99,99 @@ bool VolumeRecords::isCut(std::int32_t tet) const {
   return count != 0 && count != 4;
 }
 
-void VolumeRecords::updateOwners(const std::vector<std::int32_t>* vertices) {
-  const auto set = [&](std::int64_t v) {
-    owner_[static_cast<std::size_t>(v)] =
-        static_cast<std::int16_t>(tissue::ownerOf(fields_->row(v), fatIsCandidate_).value - 1);
-  };
-  if (vertices) {
-    for (const std::int32_t v : *vertices) set(v);
-    return;
-  }
+std::int16_t VolumeRecords::ownerAt(std::int64_t vertex) const {
+  return static_cast<std::int16_t>(tissue::ownerOf(fields_->row(vertex), fatIsCandidate_).value -
+                                   1);
+}
+
+void VolumeRecords::updateOwners() {
   owner_.resize(static_cast<std::size_t>(fields_->rows()));
-  parallelFor(fields_->rows(), set);
+  parallelFor(fields_->rows(),
+              [&](std::int64_t v) { owner_[static_cast<std::size_t>(v)] = ownerAt(v); });
+}
+
+// Those whose owner is another one now.
+std::vector<std::int32_t> VolumeRecords::updateOwners(const std::vector<std::int32_t>& vertices) {
+  std::vector<std::uint8_t> other(vertices.size(), 0);
+  parallelFor(std::ssize(vertices), [&](std::int64_t i) {
+    const std::int32_t v = vertices[static_cast<std::size_t>(i)];
+    std::int16_t& owner = owner_[static_cast<std::size_t>(v)];
+    const std::int16_t now = ownerAt(v);
+    other[static_cast<std::size_t>(i)] = now != owner;
+    owner = now;
+  });
+  std::vector<std::int32_t> out;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (other[i] != 0) out.push_back(vertices[i]);
+  return out;
+}
+
+// Whether a record tells of a column.
+bool VolumeRecords::holds(std::int32_t tet, std::int32_t column) const {
+  const std::int32_t slot = slotOfTet_[static_cast<std::size_t>(tet)];
+  if (slot < 0) return false;
+  const Drawn& drawn = drawn_[static_cast<std::size_t>(slot)];
+  const Texel* record = &texels_[drawn.record];
+  const std::uint32_t count = (record[3][0] & 0xffu) + (record[3][0] >> 8 & 0xffu);
+  const auto idAt = [&](const Texel& t, std::uint32_t word, std::uint32_t i) {
+    return static_cast<std::int32_t>((t[word + i / 2] >> (16 * (i % 2)) & 0xffffu) &
+                                     ~std::uint32_t{kCutBit});
+  };
+  for (std::uint32_t i = 0; i < std::min(count, 4u); ++i)
+    if (idAt(record[3], 2, i) == column) return true;
+  // Further ones stand at the end, eight to a texel
+  const Texel* further = record + drawn.size - (count > 4 ? (count - 4 + 7) / 8 : 0);
+  for (std::uint32_t i = 4; i < count; ++i)
+    if (idAt(further[(i - 4) / 8], 0, (i - 4) % 8) == column) return true;
+  return false;
+}
+
+// Tets whose records may be other ones once these columns changed at these vertices: those with
+// another owner at a corner, and those that one of the columns shows in, or did. In all others it
+// lies below what shows before and after.
+std::vector<std::int32_t> VolumeRecords::affected(const FieldChange& change,
+                                                  const std::vector<std::int32_t>& others) const {
+  const mesh::TetMesh& mesh = geometry_->mesh();
+  constexpr std::uint8_t kNear = 1;
+  constexpr std::uint8_t kOther = 2;
+  std::vector<std::uint8_t> mark(static_cast<std::size_t>(mesh.V.rows()), 0);
+  // Normals at a vertex look at its neighbours, and those at theirs
+  for (const std::int32_t v : withNeighbours(*geometry_, change.vertices, 2))
+    mark[static_cast<std::size_t>(v)] = kNear;
+  for (const std::int32_t v : others) mark[static_cast<std::size_t>(v)] |= kOther;
+
+  const auto covered = [&](std::int64_t t, std::int32_t column) {
+    for (int o = 0; o < 4; ++o) {
+      const auto owner = static_cast<Eigen::Index>(owner_[static_cast<std::size_t>(mesh.T(t, o))]);
+      if (owner == column) return false;
+      bool all = true;
+      for (int k = 0; k < 4 && all; ++k)
+        all = (*fields_)(mesh.T(t, k), column) <= (*fields_)(mesh.T(t, k), owner);
+      if (all) return true;
+    }
+    return false;
+  };
+  const std::int64_t chunks = (mesh.T.rows() + kChunkTets - 1) / kChunkTets;
+  std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(chunks));
+  parallelFor(
+      chunks,
+      [&](std::int64_t c) {
+        const std::int64_t end = std::min<std::int64_t>(mesh.T.rows(), (c + 1) * kChunkTets);
+        for (std::int64_t t = c * kChunkTets; t < end; ++t) {
+          std::uint8_t any = 0;
+          for (int k = 0; k < 4; ++k) any |= mark[static_cast<std::size_t>(mesh.T(t, k))];
+          if (any == 0) continue;
+          const auto tet = static_cast<std::int32_t>(t);
+          if ((any & kOther) != 0 || std::ranges::any_of(change.columns, [&](std::int32_t column) {
+                return !covered(t, column) || holds(tet, column);
+              }))
+            found[static_cast<std::size_t>(c)].push_back(tet);
+        }
+      },
+      8);
+  std::vector<std::int32_t> out;
+  for (const auto& part : found) out.insert(out.end(), part.begin(), part.end());
+  return out;
 }
 
 // The tets that the plane cut before or cuts now.
@@ -152,18 +250,14 @@ void VolumeRecords::update(const VolumeItem& item, const SmoothedFields& smoothe
   if (otherTets || !sameClip()) touched = updateClip(clip);
   if (all) {
     EC_REQUIRE(fields_->cols() < static_cast<Eigen::Index>(kCutBit));
-    updateOwners(nullptr);
+    updateOwners();
     rebuild(geometry_->tetsByCluster(), smoothed, true);
     return;
   }
   if (!sameFields) {
-    updateOwners(item.changed.get());
-    // Normals at a vertex look at its neighbours, and those at theirs
-    const std::vector<std::int32_t> ring = withNeighbours(*geometry_, *item.changed, 2);
-    const mesh::VertexTets& around = geometry_->vertexTets();
-    for (const std::int32_t v : ring)
-      touched.insert(touched.end(), around.tet.begin() + around.first[static_cast<std::size_t>(v)],
-                     around.tet.begin() + around.first[static_cast<std::size_t>(v) + 1]);
+    const std::vector<std::int32_t> others = updateOwners(item.changed->vertices);
+    const std::vector<std::int32_t> tets = affected(*item.changed, others);
+    touched.insert(touched.end(), tets.begin(), tets.end());
   }
   std::ranges::sort(touched);
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -403,6 +497,25 @@ void VolumeRecords::rebuild(const std::vector<std::int32_t>& tets, const Smoothe
   if (all) changes_.assign(1, {0, texels_.size()});
 }
 
+// Vertices in pixels, half a pixel off so that middles are whole numbers; NaN where no number will
+// do. Empty: not wanted.
+std::vector<Eigen::Array2f> VolumeRecords::onScreen(const Eye& eye) const {
+  if ((eye.pixels <= 0.0f).any()) return {};
+  const mesh::Positions& V = geometry_->mesh().V;
+  std::vector<Eigen::Array2f> out(static_cast<std::size_t>(V.rows()));
+  parallelFor(
+      V.rows(),
+      [&](std::int64_t v) {
+        const Eigen::Vector3f p = (Vector3(V.row(v).transpose()) - origin_).cast<float>();
+        const Eigen::Vector4f c = eye.worldToClip * p.homogeneous();
+        Eigen::Array2f& at = out[static_cast<std::size_t>(v)];
+        at.setConstant(std::numeric_limits<float>::quiet_NaN());
+        if (c.w() > 1e-12f) at = (0.5f * c.head<2>().array() / c.w() + 0.5f) * eye.pixels - 0.5f;
+      },
+      4096);
+  return out;
+}
+
 void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) const {
   corners.clear();
   // Groups of tets inside the picture, the nearest first
@@ -416,18 +529,7 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
     const mesh::Box& box = geometry_->clusterBox(c);
     const Eigen::Vector3f lo = (box.lo - origin_).cast<float>();
     const Eigen::Vector3f hi = (box.hi - origin_).cast<float>();
-    std::array<int, 5> beyond{};
-    for (int k = 0; k < 8; ++k) {
-      const Eigen::Vector4f p =
-          eye.worldToClip * Eigen::Vector4f((k & 1) ? hi.x() : lo.x(), (k & 2) ? hi.y() : lo.y(),
-                                            (k & 4) ? hi.z() : lo.z(), 1.0f);
-      beyond[0] += p.x() > p.w();
-      beyond[1] += p.x() < -p.w();
-      beyond[2] += p.y() > p.w();
-      beyond[3] += p.y() < -p.w();
-      beyond[4] += p.z() < -p.w();
-    }
-    if (std::ranges::max(beyond) == 8) continue;
+    if (isBeyondPicture(eye.worldToClip, lo, hi)) continue;
     const Eigen::Vector3f centre = 0.5f * (lo + hi);
     order.push_back(
         {eye.parallel ? eye.forward.dot(centre - eye.at) : (centre - eye.at).norm(), c});
@@ -436,6 +538,7 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
     return a.distance != b.distance ? a.distance < b.distance : a.cluster < b.cluster;
   });
 
+  const std::vector<Eigen::Array2f> screen = onScreen(eye);
   constexpr std::int64_t kClustersPerPart = 16;
   const auto clusters = static_cast<std::int64_t>(order.size());
   const std::int64_t partCount = (clusters + kClustersPerPart - 1) / kClustersPerPart;
@@ -482,6 +585,7 @@ void VolumeRecords::trianglesFrom(const Eye& eye, std::vector<Corner>& corners) 
             }
             for (std::uint32_t k = 0; k < 4; ++k) {
               if ((faces >> k & 1u) == 0) continue;
+              if (!screen.empty() && missesMiddles(screen, d.vertex, k)) continue;
               const bool boundary = geometry_->neighbours()(d.tet, static_cast<int>(k)) < 0;
               const std::uint32_t tag = d.record << 3 | (boundary ? k + 1 : 0u);
               for (int c = 0; c < 3; ++c)

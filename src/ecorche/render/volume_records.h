@@ -45,6 +45,9 @@ class VolumeRecords {
     Eigen::Vector3f forward = Eigen::Vector3f::UnitY();
     bool parallel = false;
     Eigen::Matrix4f worldToClip = Eigen::Matrix4f::Identity();
+    /// Size of a picture that asks for one place per pixel, its middle: what covers none is left
+    /// out. 0: no such thing is known [pixels].
+    Eigen::Array2f pixels = Eigen::Array2f::Zero();
   };
 
   /// @param smoothed  of the item's fields, in step with them
@@ -107,7 +110,13 @@ class VolumeRecords {
   std::int64_t drawnCount_ = 0;
 
   [[nodiscard]] bool isCut(std::int32_t tet) const;
-  void updateOwners(const std::vector<std::int32_t>* vertices);
+  [[nodiscard]] std::vector<Eigen::Array2f> onScreen(const Eye& eye) const;
+  [[nodiscard]] std::int16_t ownerAt(std::int64_t vertex) const;
+  void updateOwners();
+  [[nodiscard]] std::vector<std::int32_t> updateOwners(const std::vector<std::int32_t>& vertices);
+  [[nodiscard]] bool holds(std::int32_t tet, std::int32_t column) const;
+  [[nodiscard]] std::vector<std::int32_t> affected(const FieldChange& change,
+                                                   const std::vector<std::int32_t>& others) const;
   [[nodiscard]] std::vector<std::int32_t> updateClip(const std::optional<ClipPlane>& clip);
   void rebuild(const std::vector<std::int32_t>& tets, const SmoothedFields& smoothed, bool all);
   void make(std::int32_t tet, const SmoothedFields& smoothed, Chunk& out) const;
