@@ -88,7 +88,8 @@ int main(int argc, char** argv) {
     if (std::strcmp(argv[i], "--json") == 0) {
       json = true;
     } else if (std::strcmp(argv[i], "--tets") == 0 && i + 1 < argc) {
-      tets = std::stoll(argv[++i]);
+      const std::string text = argv[++i];
+      tets = std::stoll(text) * (text.ends_with("k") ? 1000 : 1);
     } else if (std::strcmp(argv[i], "--size") == 0 && i + 1 < argc) {
       size = std::stoi(argv[++i]);
     } else {
@@ -107,11 +108,14 @@ int main(int argc, char** argv) {
   Viewport view(session);
   view.resize(size, size);
   view.show();
+  std::string told;
+  QObject::connect(&session, &Session::told,
+                   [&](Severity, const QString& text) { told += "\n  " + text.toStdString(); });
   session.start(std::move(*project), {}, true);
   Bench bench(session, view);
   bench.settle();
   if (!session.tissues()) {
-    fmt::print(stderr, "bench_studio: the project cannot be solved\n");
+    fmt::print(stderr, "bench_studio: the project cannot be solved{}\n", told);
     return 1;
   }
   const std::string muscle = session.project().tissues[0].name;

@@ -1,3 +1,4 @@
+#include <ecorche/core/give_way.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/build.h>
 #include <ecorche/engine/live_engine.h>
@@ -133,6 +134,7 @@ struct LiveEngine::Impl {
 };
 
 void LiveEngine::Impl::loop() {
+  const GiveWay giveWay;  // to the view
   while (true) {
     Request request;
     {

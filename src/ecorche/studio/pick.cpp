@@ -1,7 +1,7 @@
 #include <ecorche/engine/live_parts.h>
 #include <ecorche/render/ray_caster.h>
 #include <ecorche/studio/pick.h>
-#include <ecorche/studio/scene_builder.h>
+#include <ecorche/studio/volume_look.h>
 
 #include <algorithm>
 #include <limits>

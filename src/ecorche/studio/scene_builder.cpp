@@ -1,6 +1,7 @@
 #include <ecorche/engine/live_parts.h>
 #include <ecorche/render/anatomy_scene.h>
 #include <ecorche/studio/scene_builder.h>
+#include <ecorche/studio/volume_look.h>
 
 #include <algorithm>
 
@@ -14,7 +15,6 @@ namespace {
 constexpr float kCurveWidth = 2.0f;     // [pixels]
 constexpr float kSelectedWidth = 3.2f;  // [pixels]
 constexpr float kPointRadius = 5.5f;    // [pixels]
-constexpr float kXray = 0.12f;          // opacity of what one looks through
 constexpr double kCurveSteps = 400.0;   // of a diagonal
 
 // Towards white, in linear light
@@ -100,6 +100,7 @@ void SceneBuilder::addVolume(const Input& input, render::Scene& scene) {
                           tissueColours(input.project, input.tissues, input.display.palette));
   scene.volume->fieldsRevision = input.edits.revision;
   scene.volume->changed = input.edits.changed;
+  scene.volume->prepared = input.edits.prepared;
   const auto places = engine::liveTissuePlaces(input.project);
   for (std::size_t i = 0; i < input.tissues->slotOf.size(); ++i) {
     if (input.tissues->slotOf[i] >= places.size()) continue;
@@ -112,65 +113,41 @@ void SceneBuilder::addVolume(const Input& input, render::Scene& scene) {
   }
 }
 
-namespace {
-
-// Of its curves' control points
-Vector3 middleOf(const model::Tissue& tissue) {
-  Vector3 sum = Vector3::Zero();
-  double count = 0.0;
-  for (const model::Curve& curve : tissue.curves) {
-    for (const auto& point : curve.points) {
-      sum += point.at;
-      count += 1.0;
-    }
-  }
-  return count > 0.0 ? Vector3(sum / count) : sum;
-}
-
-}  // namespace
-
-render::VolumeItem volumeOf(const model::Project& project, const engine::LiveTissues& tissues,
-                            const Display& display, const std::vector<Rgba>& colours) {
-  render::VolumeItem out;
-  out.geometry = tissues.geometry;
-  out.fields = {tissues.fields, &tissues.fields->fields().values};
-  out.fatIsCandidate = tissues.fields->fields().fatIsCandidate;
-  out.tissues.resize(tissues.slotOf.size() + 1);
-  out.tissues[0] = {.colour = render::tint::fat(), .visible = false, .inCut = true};
-  const mesh::Box& box = tissues.geometry->box();
-  const Vector3 middle = 0.5 * (box.lo + box.hi);
-  const auto places = engine::liveTissuePlaces(project);
-  for (std::size_t i = 0; i < tissues.slotOf.size(); ++i) {
-    render::VolumeTissue& look = out.tissues[i + 1];
-    look.visible = false;
-    if (tissues.slotOf[i] >= places.size()) continue;
-    const model::Tissue& tissue = project.tissues[places[tissues.slotOf[i]]];
-    if (places[tissues.slotOf[i]] < colours.size())
-      look.colour = colours[places[tissues.slotOf[i]]];
-    const bool peeled = display.peelAbove && tissue.layer && *tissue.layer > *display.peelAbove;
-    look.visible = display.showsTissue(tissue.name) && !peeled;
-    if (display.xray && *display.xray != tissue.name) look.opacity = kXray;
-    if (display.explode > 0.0) look.shift = display.explode * (middleOf(tissue) - middle);
-  }
-  return out;
-}
-
-void SceneBuilder::addCurves(const Input& input, const SceneColours& colours,
-                             render::Scene& scene) {
-  const double spacing = (input.meshes ? input.meshes->diagonal : 1.0) / kCurveSteps;
-  std::vector<std::vector<Vector3>> others;
-  std::vector<std::vector<Vector3>> own;
+// Lines keep their address while no curve and no colour changes: turning the eye sends nothing.
+void SceneBuilder::addLines(const Input& input, const SceneColours& colours, render::Scene& scene) {
+  CurvesShown wanted;
+  std::vector<const model::Curve*> others, own;
+  wanted.spacing = (input.meshes ? input.meshes->diagonal : 1.0) / kCurveSteps;
   for (const model::Tissue& tissue : input.project.tissues) {
     const bool selected = tissue.name == input.selection.tissue;
     if (!selected && (!input.display.allCurves || !input.display.showsTissue(tissue.name)))
       continue;
     for (const model::Curve& curve : tissue.curves) {
-      (selected ? own : others).push_back(polyline(curve, spacing));
+      (selected ? own : others).push_back(&curve);
+      auto& points = (selected ? wanted.own : wanted.others).emplace_back();
+      for (const auto& point : curve.points) points.push_back(point.at);
     }
   }
-  if (!others.empty()) scene.lines.push_back(line(std::move(others), colours.curve, kCurveWidth));
-  if (!own.empty()) scene.lines.push_back(line(std::move(own), colours.accent, kSelectedWidth));
+  wanted.colour = colours.curve;
+  wanted.accent = colours.accent;
+  if (!(wanted == curvesShown_)) {
+    lines_.clear();
+    const auto add = [&](const std::vector<const model::Curve*>& curves, const Rgba& colour,
+                         float width) {
+      if (curves.empty()) return;
+      std::vector<std::vector<Vector3>> sampled;
+      for (const model::Curve* curve : curves) sampled.push_back(polyline(*curve, wanted.spacing));
+      lines_.push_back(line(std::move(sampled), colour, width));
+    };
+    add(others, colours.curve, kCurveWidth);
+    add(own, colours.accent, kSelectedWidth);
+    curvesShown_ = std::move(wanted);
+  }
+  scene.lines = lines_;
+}
 
+void SceneBuilder::addPoints(const Input& input, const SceneColours& colours,
+                             render::Scene& scene) {
   if (const auto place = model::findTissue(input.project, input.selection.tissue)) {
     const model::Tissue& tissue = input.project.tissues[*place];
     std::vector<Vector3> plain;
@@ -215,7 +192,8 @@ render::Scene SceneBuilder::build(const Input& input, const SceneColours& colour
     scene.surfaces.push_back(std::move(item));
   }
   addVolume(input, scene);
-  addCurves(input, colours, scene);
+  addLines(input, colours, scene);
+  addPoints(input, colours, scene);
   if (input.stroke.size() >= 2)
     scene.lines.push_back(line({input.stroke}, colours.accent, kSelectedWidth));
   if (!input.marks.empty())

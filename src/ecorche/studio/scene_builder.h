@@ -20,14 +20,6 @@ struct SceneColours {
   render::Rgba curve{0.85f, 0.85f, 0.82f, 1.0f};  ///< the others
 };
 
-/// The tissues as they are to be drawn, for pictures and for picking; entry i + 1 is that of slot
-/// i.
-/// @param colours  by place in the project
-[[nodiscard]] render::VolumeItem volumeOf(const model::Project& project,
-                                          const engine::LiveTissues& tissues,
-                                          const Display& display,
-                                          const std::vector<render::Rgba>& colours);
-
 /// What a session has to show, made into a picture's scene. Keeps what has not changed, so that
 /// nothing is prepared for drawing twice.
 class SceneBuilder {
@@ -58,6 +50,16 @@ class SceneBuilder {
   std::vector<model::CutPlane> planesSeen_;
   KeptSurfaces kept_;
 
+  // Curves, and the lines made of them
+  struct CurvesShown {
+    std::vector<std::vector<mesh::Vector3>> others, own;  // their control points
+    double spacing = 0.0;                                 // [m]
+    render::Rgba colour{}, accent{};
+    bool operator==(const CurvesShown&) const = default;
+  };
+  CurvesShown curvesShown_;
+  std::vector<render::LineItem> lines_;
+
   // What colours were last chosen for
   std::shared_ptr<const engine::LiveTissues> colouredFor_;
   std::vector<std::string> colouredNames_;
@@ -67,7 +69,8 @@ class SceneBuilder {
 
   void takeMeshes(const Input& input);
   void addVolume(const Input& input, render::Scene& scene);
-  static void addCurves(const Input& input, const SceneColours& colours, render::Scene& scene);
+  void addLines(const Input& input, const SceneColours& colours, render::Scene& scene);
+  static void addPoints(const Input& input, const SceneColours& colours, render::Scene& scene);
 };
 
 }  // namespace ecorche::studio

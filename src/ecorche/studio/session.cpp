@@ -1,18 +1,29 @@
+#include <ecorche/core/give_way.h>
 #include <ecorche/engine/live_parts.h>
 #include <ecorche/model/command_text.h>
 #include <ecorche/model/project_file.h>
 #include <ecorche/studio/session.h>
+#include <ecorche/studio/volume_look.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/target_volume.h>
 
 #include <QMetaObject>
 #include <QPointer>
 #include <algorithm>
+#include <utility>
 
 namespace ecorche::studio {
 
+namespace {
+
+constexpr int kRestMs = 120;  // without an edit, before volumes are measured
+
+}  // namespace
+
 Session::Session(engine::LiveOptions options, QObject* parent)
     : QObject(parent), history_(std::make_unique<model::History>(model::Project{})) {
+  restForMeasuring_.setSingleShot(true);
+  connect(&restForMeasuring_, &QTimer::timeout, this, &Session::measure);
   engine_ = std::make_unique<engine::LiveEngine>(
       [this](engine::LiveUpdate update) {
         auto shared = std::make_shared<engine::LiveUpdate>(std::move(update));
@@ -40,6 +51,8 @@ void Session::start(model::Project project, std::filesystem::path file, bool sav
   domain_.reset();
   tissues_.reset();
   volumes_.clear();
+  coming_.reset();
+  prepared_.reset();
   fieldsNew_ = true;
   lastFault_.clear();
   findingsTold_.clear();
@@ -204,17 +217,19 @@ bool Session::setVolume(const std::string& tissue, double volume) {
 }
 
 Session::FieldEdits Session::takeFieldEdits() {
-  if (!fieldsNew_ && fieldsChanged_.empty()) return {fieldsRevision_, nullptr};
-  ++fieldsRevision_;
-  FieldEdits out{fieldsRevision_, nullptr};
+  FieldEdits out{fieldsRevision_, nullptr, std::exchange(prepared_, nullptr)};
+  if (!fieldsNew_ && fieldsChanged_.columns.empty()) return out;
+  out.revision = ++fieldsRevision_;
   if (!fieldsNew_) {
-    std::ranges::sort(fieldsChanged_);
-    const auto rest = std::ranges::unique(fieldsChanged_);
-    fieldsChanged_.erase(rest.begin(), rest.end());
-    out.changed = std::make_shared<const std::vector<std::int32_t>>(std::move(fieldsChanged_));
+    for (auto* list : {&fieldsChanged_.vertices, &fieldsChanged_.columns}) {
+      std::ranges::sort(*list);
+      const auto rest = std::ranges::unique(*list);
+      list->erase(rest.begin(), rest.end());
+    }
+    out.changed = std::make_shared<const render::FieldChange>(std::move(fieldsChanged_));
   }
   fieldsNew_ = false;
-  fieldsChanged_.clear();
+  fieldsChanged_ = {};
   return out;
 }
 
@@ -266,7 +281,8 @@ void Session::take(const engine::LiveUpdate& update) {
     emit liveChanged();
   } else if (const auto* tissues =
                  std::get_if<std::shared_ptr<engine::LiveTissues>>(&update.what)) {
-    takeTissues(*tissues);
+    coming_ = *tissues;
+    prepareTissues();
   } else if (const auto* fault = std::get_if<engine::LiveFault>(&update.what)) {
     // The same fault is told once, however often it is met while something else is edited
     const QString text = QString::fromStdString(fault->error.text());
@@ -277,10 +293,38 @@ void Session::take(const engine::LiveUpdate& update) {
   }
 }
 
-void Session::takeTissues(const std::shared_ptr<engine::LiveTissues>& tissues) {
+// Other fields everywhere are much for a picture to take in: until that is ready the ones before
+// are shown.
+void Session::prepareTissues() {
+  if (!coming_ || preparing_.isBusy()) return;
+  // Revisions of different tissues are never neighbours
+  const std::uint64_t revision = (fieldsRevision_ | 0xffffffffu) + 1;
+  auto item =
+      std::make_shared<render::VolumeItem>(studio::volumeOf(project(), *coming_, display_, {}));
+  item->fieldsRevision = revision;
+  const auto made = std::make_shared<std::shared_ptr<render::VolumeContent>>();
+  preparing_.start(
+      [made, item, clip = display_.clip](RunContext&) {
+        const GiveWay giveWay;
+        *made = render::prepareVolume(*item, clip);
+      },
+      [this, made, revision, tissues = coming_] {
+        if (tissues == coming_) {
+          coming_.reset();
+          fieldsRevision_ = revision;
+          fieldsNew_ = false;
+          fieldsChanged_ = {};
+          prepared_ = std::move(*made);
+          showTissues(tissues);
+        }
+        prepareTissues();  // those that came meanwhile
+        emit settledChanged();
+      });
+}
+
+void Session::showTissues(const std::shared_ptr<engine::LiveTissues>& tissues) {
   tissues_ = tissues;
   volumes_ = tissues->volumes;
-  fieldsNew_ = true;
   lastFault_.clear();
   followValues();  // which may have gone on meanwhile
   // What has been said and is still so is not said again
@@ -317,43 +361,47 @@ void Session::followValues() {
     }
     if (!alike || same) continue;
     if (const auto edit = fields.setValues(i, values, run)) {
-      noteChanged(edit->vertices);
+      noteChanged(i + 1, edit->vertices);
       changed = true;
     } else {
       tell(Severity::Error, QString::fromStdString(edit.error().message));
     }
   }
   if (project().settings.fat != fields.fat()) {
-    noteChanged(fields.setFat(project().settings.fat).vertices);
+    noteChanged(0, fields.setFat(project().settings.fat).vertices);
     changed = true;
   }
   if (!changed) return;
   emit fieldsChanged();
-  measure();
+  // Volumes take longer than a frame, and a copy of the fields: they follow when the hand rests
+  restForMeasuring_.start(kRestMs);
 }
 
-void Session::noteChanged(const std::vector<std::int32_t>& vertices) {
-  if (!fieldsNew_) fieldsChanged_.insert(fieldsChanged_.end(), vertices.begin(), vertices.end());
+void Session::noteChanged(std::size_t column, const std::vector<std::int32_t>& vertices) {
+  if (fieldsNew_) return;
+  fieldsChanged_.columns.push_back(static_cast<std::int32_t>(column));
+  fieldsChanged_.vertices.insert(fieldsChanged_.vertices.end(), vertices.begin(), vertices.end());
 }
 
-// Volumes take longer than a frame; they follow when the hand gives them time.
 void Session::measure() {
+  if (!tissues_) return;
   if (measuring_.isBusy()) {
-    measureAgain_ = true;
+    restForMeasuring_.start(kRestMs);
     return;
   }
-  measureAgain_ = false;
   const auto domain = tissues_->domain;
   const auto copy = std::make_shared<const tissue::TissueFields>(tissues_->fields->fields());
   const auto volumes = std::make_shared<std::vector<double>>();
   measuring_.start(
-      [=](RunContext&) { *volumes = tissue::tissueVolumes(domain->domain.mesh, *copy); },
+      [=](RunContext&) {
+        const GiveWay giveWay;
+        *volumes = tissue::tissueVolumes(domain->domain.mesh, *copy);
+      },
       [this, volumes, of = tissues_] {
         if (of == tissues_) {
           volumes_ = *volumes;
           emit volumesChanged();
         }
-        if (measureAgain_ && tissues_) measure();
         emit settledChanged();
       });
 }

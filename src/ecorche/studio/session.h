@@ -3,11 +3,13 @@
 #include <ecorche/core/finding.h>
 #include <ecorche/engine/live_engine.h>
 #include <ecorche/model/history.h>
+#include <ecorche/render/volume_item.h>
 #include <ecorche/studio/background.h>
 #include <ecorche/studio/display.h>
 
 #include <QObject>
 #include <QString>
+#include <QTimer>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -68,15 +70,20 @@ class Session : public QObject {
   [[nodiscard]] const std::shared_ptr<const domain::DomainBuild>& domain() const { return domain_; }
   /// Fields follow the project's values and fat; curves may have moved on since they were solved.
   [[nodiscard]] std::shared_ptr<const engine::LiveTissues> tissues() const { return tissues_; }
-  /// What became of the fields since this was last asked: a number that goes up, and the vertices
-  /// where values differ from those of the number before (null: anywhere).
+  /// What became of the fields since this was last asked: a number that goes up, where values
+  /// differ from those of the number before (null: anywhere), and, once for tissues that have just
+  /// come, what drawing them takes.
   struct FieldEdits {
     std::uint64_t revision = 0;
-    std::shared_ptr<const std::vector<std::int32_t>> changed;
+    std::shared_ptr<const render::FieldChange> changed;
+    std::shared_ptr<render::VolumeContent> prepared;
   };
   [[nodiscard]] FieldEdits takeFieldEdits();
   /// Nothing is being computed, and everything shown is of the project as it stands, or failed.
-  [[nodiscard]] bool isSettled() const { return settled_ && !measuring_.isBusy(); }
+  [[nodiscard]] bool isSettled() const {
+    return settled_ && !preparing_.isBusy() && !restForMeasuring_.isActive() &&
+           !measuring_.isBusy();
+  }
   void stopComputing();
   void reloadMeshes();  ///< files may have changed
   /// [m³]; nothing while it has no body.
@@ -119,10 +126,14 @@ class Session : public QObject {
   std::shared_ptr<engine::LiveTissues> tissues_;
   std::vector<double> volumes_;  // by tissue id − 1 [m³]
   std::uint64_t fieldsRevision_ = 0;
-  bool fieldsNew_ = false;                   // since takeFieldEdits: all of them
-  std::vector<std::int32_t> fieldsChanged_;  // or at these vertices
+  bool fieldsNew_ = false;             // since takeFieldEdits: all of them
+  render::FieldChange fieldsChanged_;  // or these; neither ascending nor each once
+  // Tissues that are not shown yet: what drawing them takes is made beside the window
+  std::shared_ptr<engine::LiveTissues> coming_;
+  std::shared_ptr<render::VolumeContent> prepared_;
+  Background preparing_;
   Background measuring_;
-  bool measureAgain_ = false;
+  QTimer restForMeasuring_;
   std::uint64_t request_ = 0;
   std::uint64_t firstRequest_ = 0;  // of the project at hand: answers to older ones are dropped
   bool settled_ = true;
@@ -133,9 +144,10 @@ class Session : public QObject {
   void changed(bool anew = false);
   void forgetWhatIsGone();
   void take(const engine::LiveUpdate& update);
-  void takeTissues(const std::shared_ptr<engine::LiveTissues>& tissues);
+  void prepareTissues();
+  void showTissues(const std::shared_ptr<engine::LiveTissues>& tissues);
   void followValues();
-  void noteChanged(const std::vector<std::int32_t>& vertices);
+  void noteChanged(std::size_t column, const std::vector<std::int32_t>& vertices);
   void measure();
   void setSettled(bool settled);
 };
