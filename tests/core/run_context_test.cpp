@@ -27,6 +27,23 @@ TEST_CASE("stages within a stage are part of it, in the order in which they bega
   CHECK(times[1].seconds <= times[0].seconds);
 }
 
+TEST_CASE("stages side by side are parts of what both belong to, not of each other") {
+  RunContext run;
+  {
+    const Stage outer(run, "output");
+    const Stage inner(run, "write");
+    std::thread([&] {
+      const Stage elsewhere(run, "preview");
+      const Stage part(run, "picture");
+    }).join();
+    const Stage part(run, "writing");
+  }
+  std::vector<std::pair<std::string, int>> seen;
+  for (const auto& time : run.stageTimes()) seen.emplace_back(time.stage, time.level);
+  CHECK(seen == std::vector<std::pair<std::string, int>>{
+                    {"output", 0}, {"write", 1}, {"writing", 2}, {"preview", 1}, {"picture", 2}});
+}
+
 TEST_CASE("the same stage within two others is timed within each, beside its own") {
   RunContext run;
   {

@@ -11,9 +11,9 @@ namespace {
 
 void giveWayHere() {
 #ifdef __linux__
-  // Against threads of usual priority a ninth of a core is left while all are busy. A thread that
-  // gave way already stays where it is; if the system refuses, it is as fast as before
-  constexpr int kNice = 10;
+  // Against threads of usual priority a third is left while all are busy. A thread that gave way
+  // already stays where it is; if the system refuses, it is as fast as before
+  constexpr int kNice = 5;
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
   if (getpriority(PRIO_PROCESS, thread) < kNice) setpriority(PRIO_PROCESS, thread, kNice);
 #endif

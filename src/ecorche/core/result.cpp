@@ -22,6 +22,7 @@ std::string_view name(ErrorCode code) {
     EC_NAME(ValueOutOfRange)
     EC_NAME(SchemaTooNew)
     EC_NAME(DuplicateName)
+    EC_NAME(TissueProtected)
     EC_NAME(UnknownName)
     EC_NAME(CommandSyntax)
     EC_NAME(NonFiniteVertex)

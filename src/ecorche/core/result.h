@@ -25,6 +25,7 @@ enum class ErrorCode {
   ValueOutOfRange,
   SchemaTooNew,
   DuplicateName,
+  TissueProtected,
   UnknownName,
   CommandSyntax,
   // Meshes

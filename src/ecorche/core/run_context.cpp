@@ -16,10 +16,16 @@ void RunContext::progress(std::string_view stage, double fraction) {
 bool RunContext::open(const std::string& stage) {
   const std::lock_guard lock(mutex_);
   if (std::ranges::find(running_, stage, &Running::stage) != running_.end()) return false;
-  const auto level = static_cast<int>(running_.size());
-  const std::string within = running_.empty() ? std::string() : running_.back().path;
+  const auto own = std::find_if(running_.rbegin(), running_.rend(), [](const Running& r) {
+    return r.thread == std::this_thread::get_id();
+  });
+  const Running* around = own != running_.rend() ? &*own
+                          : running_.empty()     ? nullptr
+                                                 : &running_.front();
+  const int level = around != nullptr ? around->level + 1 : 0;
+  const std::string within = around != nullptr ? around->path : std::string();
   const std::string path = within + stage + '\n';
-  running_.push_back({stage, path});
+  running_.push_back({stage, path, level, std::this_thread::get_id()});
   if (std::ranges::find(times_, path, &Entry::path) != times_.end()) return true;
   // Behind all that is part of the same
   auto place = times_.end();

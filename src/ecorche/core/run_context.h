@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 namespace ecorche {
@@ -36,8 +37,9 @@ class RunContext {
   void progress(std::string_view stage, double fraction);
 
   /// Wall times of stages in the order in which they began, each followed by its parts; same names
-  /// added up within one part. Stages that began while another ran are part of that one, whatever
-  /// thread they ran on; those of level 0 add up to the whole.
+  /// added up within one part. Stages that began while another ran on their thread are part of that
+  /// one; the first of another thread are part of the outermost that ran. Those of level 0 add up
+  /// to the whole.
   [[nodiscard]] std::vector<StageTime> stageTimes() const;
   /// Wall time since this was made.
   [[nodiscard]] double seconds() const;
@@ -58,6 +60,8 @@ class RunContext {
   struct Running {
     std::string stage;
     std::string path;
+    int level = 0;
+    std::thread::id thread;
   };
   std::vector<Entry> times_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
