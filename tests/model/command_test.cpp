@@ -70,6 +70,8 @@ TEST_CASE("every command is found by its text and does what it says") {
   CHECK(tissueOf(after("muscle.side biceps right"), "biceps").side == Side::Right);
   CHECK(tissueOf(after("muscle.group biceps flexors"), "biceps").group == "flexors");
   CHECK(tissueOf(after("muscle.layer biceps 3"), "biceps").layer == 3);
+  CHECK(tissueOf(after("muscle.protect biceps on"), "biceps").isProtected);
+  CHECK_FALSE(tissueOf(after("muscle.keep_twin biceps off"), "biceps").keepsTwin);
   CHECK(tissueOf(after("muscle.core biceps 0.002"), "biceps").coreRadius == 0.002);
   CHECK(tissueOf(after("muscle.anisotropy biceps 3 0.25 0.5"), "biceps").anisotropy ==
         Anisotropy{3, 0.25, 0.5});
@@ -123,6 +125,28 @@ TEST_CASE("a command that would break the project says why and changes nothing")
   CHECK(refusal("muscle.side fat left").code == ErrorCode::WrongType);
   CHECK(refusal("fat.set -1").code == ErrorCode::ValueOutOfRange);
   CHECK(refusal("muscle.layer biceps -5").code == ErrorCode::ValueOutOfRange);
+}
+
+TEST_CASE("a protected tissue keeps its body and may change its looks") {
+  const Project kept = after("muscle.protect biceps on");
+  for (const char* line :
+       {"point.move biceps 1 2 0.1,0.2,0.3", "point.value biceps 1 2 0.5", "curve.remove biceps 1",
+        "muscle.core biceps 0.002", "muscle.anisotropy biceps 3 0.25 0.5", "muscle.remove biceps",
+        "muscle.rename biceps brachii", "attachment.remove biceps 1"}) {
+    INFO(line);
+    const auto done = apply(kept, parseCommand(line).value());
+    REQUIRE_FALSE(done);
+    CHECK(done.error().code == ErrorCode::TissueProtected);
+    CHECK(done.error().message ==
+          "\"biceps\" is protected; lift that first: muscle.protect biceps off");
+  }
+  for (const char* line : {"muscle.colour biceps none", "muscle.side biceps right",
+                           "muscle.group biceps flexors", "muscle.layer biceps 3", "fat.set 0"}) {
+    INFO(line);
+    CHECK(apply(kept, parseCommand(line).value()));
+  }
+  const Project lifted = apply(kept, parseCommand("muscle.protect biceps off").value()).value();
+  CHECK(apply(lifted, parseCommand("muscle.remove biceps").value()));
 }
 
 TEST_CASE("a line that is no command says what is wrong with which word") {
@@ -215,6 +239,28 @@ TEST_CASE("history") {
       RC_ASSERT(history.project() == states[k]);
     }
     RC_ASSERT(!history.canRedo());
+  });
+  rc::prop("what extends a step is undone with it, all of it or none", [] {
+    History history(sample());
+    std::vector<Project> states = {history.project()};
+    for (int k = 0; k < 40; ++k) {
+      if (!history.perform(test::anyCommand())) continue;
+      std::vector<Command> more;
+      for (int i = *rc::gen::inRange(0, 4); i > 0; --i) more.push_back(test::anyCommand());
+      const Project before = history.project();
+      const std::size_t steps = history.stepsDone();
+      if (!history.extend(more)) RC_ASSERT(history.project() == before);
+      RC_ASSERT(history.stepsDone() == steps);
+      states.push_back(history.project());
+    }
+    for (std::size_t k = states.size() - 1; k > 0; --k) {
+      history.undo();
+      RC_ASSERT(history.project() == states[k - 1]);
+    }
+    for (std::size_t k = 1; k < states.size(); ++k) {
+      history.redo();
+      RC_ASSERT(history.project() == states[k]);
+    }
   });
   rc::prop("several commands in one step are undone at once, and done all or not at all", [] {
     History history(sample());

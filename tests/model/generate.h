@@ -98,6 +98,8 @@ EC_ANY(SetSide, anyName(), *rc::gen::element(Side::Unknown, Side::Left, Side::Ri
 EC_ANY(SetGroup, anyName(), anyName())
 EC_ANY(SetLayer, anyName(),
        maybe<std::int64_t>([] { return *rc::gen::inRange<std::int64_t>(-2, 1002); }))
+EC_ANY(SetProtected, anyName(), *rc::gen::arbitrary<bool>())
+EC_ANY(SetKeepsTwin, anyName(), *rc::gen::arbitrary<bool>())
 EC_ANY(SetTissueCore, anyName(), maybe<double>(anyDouble))
 EC_ANY(SetAnisotropy, anyName(), {anyDouble(), anyDouble(), anyDouble()})
 EC_ANY(AddCurve, anyName(), {anyName(), anyPoints(), anySupport(), anySupport()})

@@ -49,6 +49,8 @@ TEST_CASE("a project file is read into metres") {
   CHECK(biceps.colour == Colour{0xc0, 0x50, 0x4d});
   CHECK(biceps.coreRadius == 0.001);
   CHECK(biceps.layer == 1);
+  CHECK(biceps.keepsTwin);
+  CHECK_FALSE(biceps.isProtected);
   CHECK(biceps.side == Side::Left);
   CHECK(biceps.attachments[1].patch->part == "tuberosity");
   CHECK(biceps.attachments[1].role == Attachment::Role::Insertion);
@@ -116,7 +118,7 @@ TEST_CASE("every fault of a project file has its own code and a place") {
       {"comma", fullProjectWith("\"name\": \"forearm\",", "\"name\": \"forearm\""),
        ErrorCode::FileSyntax, "forearm.ecorche:4:3: this is not JSON"},
       {"text behind", std::string(test::kFullProject) + "x", ErrorCode::FileSyntax,
-       "forearm.ecorche:73:1: this is not JSON"},
+       "forearm.ecorche:74:1: this is not JSON"},
       {"deep", std::string(100000, '['), ErrorCode::FileSyntax, "64 deep"},
       {"overflow", fullProjectWith("0.25", "1e999"), ErrorCode::FileSyntax,
        "forearm.ecorche:14:23: "},
@@ -166,7 +168,7 @@ TEST_CASE("every fault of a project file has its own code and a place") {
       {"far away", fullProjectWith("[2.5, 3, 5]", "[2.5, 3, 5e9]"), ErrorCode::ValueOutOfRange,
        "check the unit"},
       {"tissue value", fullProjectWith("1.25", "0"), ErrorCode::ValueOutOfRange,
-       "forearm.ecorche:31:43: the tissue value of control point 2 of \"biceps\", curve 1 (long "
+       "forearm.ecorche:32:43: the tissue value of control point 2 of \"biceps\", curve 1 (long "
        "head) is 0"},
       {"two bones", fullProjectWith("\"name\": \"radius\"", "\"name\": \"humerus\""),
        ErrorCode::DuplicateName,
@@ -185,7 +187,7 @@ TEST_CASE("every fault of a project file has its own code and a place") {
        fullProjectWith("\"start\": {\"on\": \"bone\", \"name\": \"humerus\"}",
                        "\"start\": {\"on\": \"bone\", \"name\": \"ulna\"}"),
        ErrorCode::UnknownName,
-       "forearm.ecorche:34:43: the start of \"biceps\", curve 1 (long head) is on bone \"ulna\""},
+       "forearm.ecorche:35:43: the start of \"biceps\", curve 1 (long head) is on bone \"ulna\""},
       {"unknown tissue",
        fullProjectWith("\"on\": \"tissue\", \"name\": \"belly\"",
                        "\"on\": \"tissue\", \"name\": \"bell\""),
@@ -195,11 +197,11 @@ TEST_CASE("every fault of a project file has its own code and a place") {
                        "\"on\": \"tissue\", \"name\": \"biceps\""),
        ErrorCode::UnknownName, "its own tissue"},
       {"no length", fullProjectWith("[0, 0, 9]", "[0, 0, 0]"), ErrorCode::ZeroLengthCurve,
-       "forearm.ecorche:61:9: \"belly\" has no length"},
+       "forearm.ecorche:62:9: \"belly\" has no length"},
       {"one point", fullProjectWith(",\n            {\"at\": [0, 0, 9], \"tissue\": 1}", ""),
        ErrorCode::ZeroLengthCurve, "one control point"},
       {"point twice", fullProjectWith("[2.5, 3, 5]", "[1, 2, 3]"), ErrorCode::ZeroLengthCurve,
-       "forearm.ecorche:31:13: control points 1 and 2"},
+       "forearm.ecorche:32:13: control points 1 and 2"},
   };
   for (const BadCase& c : cases) {
     INFO(c.what);

@@ -30,6 +30,7 @@ inline constexpr std::string_view kFullProject = R"({
       "group": "arm",
       "layer": 1,
       "color": "#c0504d",
+      "keeps_twin": true,
       "core_radius": 0.1,
       "anisotropy": {"lambda2": 2, "lambda3": 0.5, "rotation": 30},
       "curves": [

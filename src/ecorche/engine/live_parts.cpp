@@ -13,6 +13,8 @@ void blankAllButCurves(model::Tissue& tissue) {
   tissue.group.clear();
   tissue.layer.reset();
   tissue.colour.reset();
+  tissue.isProtected = false;
+  tissue.keepsTwin = false;
   tissue.attachments.clear();
   for (model::Curve& curve : tissue.curves) {
     curve.name.clear();

@@ -1,3 +1,4 @@
+#include <ecorche/model/command_text.h>
 #include <ecorche/model/commands.h>
 #include <ecorche/model/project_check.h>
 
@@ -85,7 +86,7 @@ class Editor {
     return append(p_.tissues, {.name = c.name, .kind = Tissue::Kind::Cavity, .mesh = c.mesh});
   }
   Done act(const SetTissueMesh& c) {
-    return tissue(c.tissue).and_then([&](Tissue* t) -> Done {
+    return editable(c.tissue).and_then([&](Tissue* t) -> Done {
       if (t->mesh) return set(t->mesh, std::optional(c.mesh));
       return fail(ErrorCode::UnknownName,
                   fmt::format("\"{}\" is a {}; only obstacles and cavities are meshes", t->name,
@@ -94,9 +95,11 @@ class Editor {
     });
   }
   Done act(const RemoveTissue& c) {
+    if (const auto open = editable(c.tissue); !open) return passOn(open);
     return removeNamed(p_.tissues, c.tissue, Support::On::Tissue, "tissue");
   }
   Done act(const RenameTissue& c) {
+    if (const auto open = editable(c.tissue); !open) return passOn(open);
     return renameNamed(p_.tissues, c.tissue, c.name, Support::On::Tissue, "tissue");
   }
 
@@ -115,6 +118,12 @@ class Editor {
       if (c.layer) t->layer = static_cast<int>(std::clamp<std::int64_t>(*c.layer, -1, 100000));
       return {};
     });
+  }
+  Done act(const SetProtected& c) {
+    return tissueNotFat(c.tissue).and_then([&](Tissue* t) { return set(t->isProtected, c.on); });
+  }
+  Done act(const SetKeepsTwin& c) {
+    return curveTissue(c.tissue).and_then([&](Tissue* t) { return set(t->keepsTwin, c.on); });
   }
   Done act(const SetTissueCore& c) {
     return curveTissue(c.tissue).and_then([&](Tissue* t) { return set(t->coreRadius, c.radius); });
@@ -275,8 +284,18 @@ class Editor {
     }
     return found;
   }
-  Result<Tissue*> curveTissue(const std::string& name) {
+  Result<Tissue*> editable(const std::string& name) {
     auto found = tissue(name);
+    if (found && (*found)->isProtected) {
+      return fail(ErrorCode::TissueProtected,
+                  fmt::format("\"{}\" is protected; lift that first: {}", name,
+                              formatCommand(SetProtected{name, false})),
+                  {.object = name});
+    }
+    return found;
+  }
+  Result<Tissue*> curveTissue(const std::string& name) {
+    auto found = editable(name);
     if (found && !(*found)->hasCurves()) {
       return fail(ErrorCode::WrongType,
                   fmt::format("\"{}\" is {}, only muscles and fillers have curves", name,

@@ -56,6 +56,7 @@ class Formatter {
     add(value ? std::to_string(*value) : "none");
   }
   void vector(const char*, const Vector3& value) { add(vectorText(value)); }
+  void onOff(bool value) { add(value ? "on" : "off"); }
   void unit(const char*, Unit value) { add(std::string(symbol(value))); }
   void colour(const std::optional<Colour>& value) { add(value ? colourText(*value) : "none"); }
   void support(const Support& value) { add(quoted(supportText(value))); }
@@ -133,6 +134,7 @@ class Usage {
   void unit(const char* what, T&) {
     add(what);
   }
+  void onOff(bool&) { add("on|off"); }
   void colour(std::optional<Colour>&) { add("#RRGGBB|none"); }
   void support(Support&) { add("bone:NAME|plane:NAME|tissue:NAME|free"); }
   void choice(CutPlane::Kind&) { add("symmetry|region"); }

@@ -92,6 +92,14 @@ EC_FORM(SetLayer, "muscle.layer") {
   v.name("TISSUE", c.tissue);
   v.count("LAYER|none", c.layer);
 }
+EC_FORM(SetProtected, "muscle.protect") {
+  v.name("TISSUE", c.tissue);
+  v.onOff(c.on);
+}
+EC_FORM(SetKeepsTwin, "muscle.keep_twin") {
+  v.name("MUSCLE", c.tissue);
+  v.onOff(c.on);
+}
 EC_FORM(SetTissueCore, "muscle.core") {
   v.name("MUSCLE", c.tissue);
   v.number("METRES|none", c.radius);

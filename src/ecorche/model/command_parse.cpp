@@ -94,6 +94,12 @@ class Parser {
   void vector(const char* what, Vector3& out) {
     if (const Token* t = next(what)) read(*t, out);
   }
+  void onOff(bool& out) {
+    const Token* t = next("on|off");
+    if (t == nullptr) return;
+    if (t->text != "on" && t->text != "off") return wrong(*t, "on or off");
+    out = t->text == "on";
+  }
   void unit(const char* what, Unit& out) {
     if (const Token* t = next(what)) read(*t, out);
   }

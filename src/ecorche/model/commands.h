@@ -147,6 +147,19 @@ struct SetLayer {
   std::optional<std::int64_t> layer;
   bool operator==(const SetLayer&) const = default;
 };
+/// A protected tissue keeps its body: curves, values and mesh, and its name and place. What it
+/// looks like may change.
+struct SetProtected {
+  std::string tissue;
+  bool on = false;
+  bool operator==(const SetProtected&) const = default;
+};
+/// Its mirror image follows edits of it: windows see to that; apply only remembers it.
+struct SetKeepsTwin {
+  std::string tissue;
+  bool on = false;
+  bool operator==(const SetKeepsTwin&) const = default;
+};
 struct SetTissueCore {
   std::string tissue;
   std::optional<double> radius;
@@ -243,10 +256,10 @@ struct Command {
                    RenameBone, AddPlane, RemovePlane, RenamePlane, SetFat, SetFatColour,
                    SetCoreRadius, SetAlpha, SetTets, SetEdgeLength, SetSurfaceTolerance, AddMuscle,
                    AddFiller, AddObstacle, AddCavity, SetTissueMesh, RemoveTissue, RenameTissue,
-                   SetColour, SetSide, SetGroup, SetLayer, SetTissueCore, SetAnisotropy, AddCurve,
-                   RemoveCurve, RenameCurve, MoveCurve, SetCurvePoints, SetCurveStart, SetCurveEnd,
-                   MovePoint, InsertPoint, RemovePoint, SetPointValue, AddAttachment,
-                   RemoveAttachment>;
+                   SetColour, SetSide, SetGroup, SetLayer, SetProtected, SetKeepsTwin,
+                   SetTissueCore, SetAnisotropy, AddCurve, RemoveCurve, RenameCurve, MoveCurve,
+                   SetCurvePoints, SetCurveStart, SetCurveEnd, MovePoint, InsertPoint, RemovePoint,
+                   SetPointValue, AddAttachment, RemoveAttachment>;
   Act act;
 
   Command() = default;
@@ -258,8 +271,8 @@ struct Command {
 };
 
 /// The project after the act; pure, so undo only has to keep `before`.
-/// @errors UnknownName, ValueOutOfRange, DuplicateName, ZeroLengthCurve … (findFault while
-/// editing); `before` stays.
+/// @errors UnknownName, TissueProtected, ValueOutOfRange, DuplicateName, ZeroLengthCurve …
+/// (findFault while editing); `before` stays.
 [[nodiscard]] Result<Project> apply(const Project& before, const Command& command);
 
 }  // namespace ecorche::model

@@ -32,8 +32,8 @@ Result<void> History::perform(const Command& command) {
   return perform(std::span(&command, 1), text.substr(0, text.find(' ')));
 }
 
-Result<void> History::perform(std::span<const Command> commands, std::string label) {
-  if (commands.empty()) return {};
+// The project after each of the commands.
+Result<std::vector<Project>> History::outcomes(std::span<const Command> commands) const {
   std::vector<Project> after;
   after.reserve(commands.size());
   for (const Command& command : commands) {
@@ -41,12 +41,29 @@ Result<void> History::perform(std::span<const Command> commands, std::string lab
     if (!next) return passOn(next);
     after.push_back(std::move(*next));
   }
+  return after;
+}
+
+Result<void> History::extend(std::span<const Command> commands) {
+  EC_REQUIRE(canUndo() && !canRedo());
+  auto after = outcomes(commands);
+  if (!after) return passOn(after);
+  for (std::size_t i = 0; i < commands.size(); ++i) append(commands[i], std::move((*after)[i]));
+  steps_.back().end = done_;
+  ++revision_;
+  return {};
+}
+
+Result<void> History::perform(std::span<const Command> commands, std::string label) {
+  if (commands.empty()) return {};
+  auto after = outcomes(commands);
+  if (!after) return passOn(after);
   commands_.resize(done_);
   steps_.resize(stepsDone_);
   snapshots_.resize(
       std::min(snapshots_.size(), (done_ + kBetweenSnapshots - 1) / kBetweenSnapshots));
   steps_.push_back({std::move(label), done_, done_ + commands.size()});
-  for (std::size_t i = 0; i < commands.size(); ++i) append(commands[i], std::move(after[i]));
+  for (std::size_t i = 0; i < commands.size(); ++i) append(commands[i], std::move((*after)[i]));
   ++stepsDone_;
   ++revision_;
   return {};

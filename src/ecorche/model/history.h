@@ -30,6 +30,10 @@ class History {
   /// @param label  what people read in a list: "Draw biceps"
   [[nodiscard]] Result<void> perform(std::span<const Command> commands, std::string label);
 
+  /// Several more as part of the last step: undone and redone with it. All of them, or none.
+  /// @pre canUndo() and not canRedo()
+  [[nodiscard]] Result<void> extend(std::span<const Command> commands);
+
   [[nodiscard]] bool canUndo() const { return stepsDone_ > 0; }
   [[nodiscard]] bool canRedo() const { return stepsDone_ < steps_.size(); }
   void undo();  ///< @pre canUndo()
@@ -62,6 +66,7 @@ class History {
   std::vector<Project> snapshots_;  // before commands 0, 16, 32 …
   std::uint64_t revision_ = 0;
 
+  [[nodiscard]] Result<std::vector<Project>> outcomes(std::span<const Command> commands) const;
   void append(const Command& command, Project after);
   void goTo(std::size_t done);
 };

@@ -252,6 +252,12 @@ Json Json::string(std::string text) {
   value.text = std::move(text);
   return value;
 }
+Json Json::truth(bool value) {
+  Json out;
+  out.kind = Kind::Bool;
+  out.boolean = value;
+  return out;
+}
 Json Json::array(std::vector<Json> items) {
   Json value;
   value.kind = Kind::Array;

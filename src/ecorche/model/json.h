@@ -30,6 +30,7 @@ struct Json {
 
   [[nodiscard]] static Json number(std::string text);
   [[nodiscard]] static Json string(std::string text);
+  [[nodiscard]] static Json truth(bool value);
   [[nodiscard]] static Json array(std::vector<Json> items = {});
   [[nodiscard]] static Json object();
 

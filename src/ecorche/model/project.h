@@ -100,6 +100,8 @@ struct Tissue {
   std::string group;         ///< "quadriceps"; may be empty
   std::optional<int> layer;  ///< 0 is deepest
   std::optional<Colour> colour;
+  bool isProtected = false;  ///< commands that would change its body are refused
+  bool keepsTwin = false;    ///< its mirror image follows when it is edited in the window
 
   std::vector<Curve> curves;         ///< muscles and fillers: at least one in a complete project
   std::optional<double> coreRadius;  ///< [m]. Unset: Settings::coreRadius

@@ -24,10 +24,11 @@ std::span<const ObjectKeys> projectKeys() {
       {"settings", {}, {"fat", "core_radius", "alpha", "tets", "edge_length", "surface_tolerance"}},
       {"curve_tissue",
        {"name", "kind"},
-       {"side", "group", "layer", "color", "core_radius", "anisotropy", "curves", "attachments"}},
+       {"side", "group", "layer", "color", "protected", "keeps_twin", "core_radius", "anisotropy",
+        "curves", "attachments"}},
       {"mesh_tissue",
        {"name", "kind", "file"},
-       {"part", "unit", "repair", "side", "group", "layer", "color"}},
+       {"part", "unit", "repair", "side", "group", "layer", "color", "protected"}},
       {"fat_tissue", {"name", "kind"}, {"color"}},
       {"anisotropy", {}, {"lambda2", "lambda3", "rotation"}},
       {"curve", {"points"}, {"name", "start", "end"}},
@@ -152,6 +153,11 @@ class Reader {
     return std::nullopt;
   }
 
+  bool flag(const Json& json, std::string_view key) {
+    const Json* value = json.find(key);
+    return value != nullptr && is(*value, Json::Kind::Bool, key) && value->boolean;
+  }
+
   Vector3 vector(const Json& json, std::string_view key, bool isLength) {
     Vector3 out = Vector3::Zero();
     const Json* value = json.find(key);
@@ -262,6 +268,8 @@ class Reader {
              colour->spot);
       }
     }
+    t.isProtected = flag(json, "protected");
+    t.keepsTwin = flag(json, "keeps_twin");
     if (json.find("file") != nullptr) t.mesh = mesh(json);
     t.coreRadius = length(json, "core_radius");
     if (const Json* a = json.find("anisotropy"); a && object(*a, "anisotropy", "the anisotropy")) {

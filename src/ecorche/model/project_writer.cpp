@@ -88,6 +88,8 @@ class Writer {
     addText(out, "group", tissue.group);
     if (tissue.layer) out.add("layer", Json::number(std::to_string(*tissue.layer)));
     if (tissue.colour) out.add("color", Json::string(colourText(*tissue.colour)));
+    if (tissue.isProtected) out.add("protected", Json::truth(true));
+    if (tissue.keepsTwin) out.add("keeps_twin", Json::truth(true));
     if (tissue.mesh) out = mesh(*tissue.mesh, std::move(out));
     if (tissue.coreRadius) out.add("core_radius", length(*tissue.coreRadius));
     if (const Anisotropy& a = tissue.anisotropy; a != Anisotropy{}) {
