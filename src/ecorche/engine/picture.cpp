@@ -1,4 +1,5 @@
 #include <ecorche/core/parallel.h>
+#include <ecorche/engine/curve_directions.h>
 #include <ecorche/engine/picture.h>
 #include <ecorche/model/project_check.h>
 #include <ecorche/render/anatomy_scene.h>
@@ -190,33 +191,7 @@ PictureModel::Tissue pictureTissue(const model::Tissue& from, const tissue::Curv
 
 }  // namespace
 
-namespace {
-
-// A first idea of the fibres: at every vertex the direction of its owner's curves where they are
-// nearest. Zero in fat.
-std::shared_ptr<const mesh::Directions> curveDirections(
-    const mesh::Positions& V, const std::vector<TissueId>& owner,
-    const std::vector<PictureModel::Tissue>& tissues) {
-  auto out = std::make_shared<mesh::Directions>(mesh::Directions::Zero(V.rows(), 3));
-  parallelFor(V.rows(), [&](std::int64_t v) {
-    const TissueId id = owner[static_cast<std::size_t>(v)];
-    const PictureModel::Tissue& tissue = tissues[static_cast<std::size_t>(id.value - 1)];
-    if (tissue.kind != "muscle") return;
-    const mesh::Vector3 p = V.row(v).transpose();
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto& line : tissue.curves) {
-      for (std::size_t k = 1; k < line.size(); ++k) {
-        const double away = (0.5 * (line[k - 1] + line[k]) - p).squaredNorm();
-        if (away >= nearest) continue;
-        nearest = away;
-        out->row(v) = (line[k] - line[k - 1]).normalized().transpose();
-      }
-    }
-  });
-  return out;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Result<Preview> preparePreview(const model::Project& project, const BuildOptions& options,
                                RunContext& run) {
@@ -253,7 +228,12 @@ PictureModel pictureModel(const model::Project& project, const Preview& preview)
   volume.fields = std::make_shared<const tissue::FieldMatrix>(preview.fields.values);
   volume.fatIsCandidate = preview.fields.fatIsCandidate;
   volume.tissues.resize(out.tissues.size());
-  volume.flow = curveDirections(domain.mesh.V, owner, out.tissues);
+  std::vector<std::vector<std::vector<mesh::Vector3>>> lines;
+  for (const PictureModel::Tissue& tissue : out.tissues) {
+    lines.emplace_back();
+    if (tissue.kind == "muscle") lines.back() = tissue.curves;
+  }
+  volume.flow = curveDirections(domain.mesh.V, owner, lines);
   out.volume = std::move(volume);
   return out;
 }
