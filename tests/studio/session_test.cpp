@@ -38,6 +38,7 @@ TEST_CASE("only what is computed from counts as changed") {
            model::SetColour{"deltoid", model::Colour{1, 2, 3}}, model::SetLayer{"deltoid", 7},
            model::SetGroup{"deltoid", "g"}, model::SetSide{"deltoid", model::Side::Right},
            model::RenameCurve{"deltoid", 0, "x"}, model::AddMuscle{"new"},
+           model::SetProtected{"deltoid", true}, model::SetKeepsTwin{"deltoid", true},
            model::SetProjectName{"n"}})
     CHECK(sameCurves(after(command)));
   // Values and fat: fields follow without being solved for

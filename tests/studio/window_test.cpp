@@ -10,6 +10,8 @@
 #include <QPushButton>
 #include <QTreeWidget>
 
+#include <ecorche/studio/spread_gizmo.h>
+
 #include "studio/hand.h"
 #include "support/program.h"
 
@@ -49,8 +51,8 @@ QPoint pixelOn(MainWindow& window, const std::string& bone, double along) {
       const double off = std::abs(m.V(v, axis) - wanted);
       if (!seen || off >= least) continue;
       bool inside = true;
-      for (const Eigen::Vector2d by : {Eigen::Vector2d(0, 0), Eigen::Vector2d(2, 0),
-                                       Eigen::Vector2d(-2, 0), Eigen::Vector2d(0, 2)}) {
+      for (const Eigen::Vector2d& by : {Eigen::Vector2d(0, 0), Eigen::Vector2d(2, 0),
+                                        Eigen::Vector2d(-2, 0), Eigen::Vector2d(0, 2)}) {
         const auto hit = boneUnder(window.view().eye().sight(*seen + by), meshes,
                                    window.session().project(), window.session().display());
         inside = inside && hit && hit->bone == bone;
@@ -314,4 +316,54 @@ TEST_CASE("a stroke that ends beside the bones draws nothing and says so") {
   QTest::mouseRelease(&window->view(), Qt::LeftButton, {}, pixelOn(*window, "radius", 0.5));
   CHECK(window->session().project().tissues.size() == before);
   CHECK(window->session().history().stepsDone() == 0);
+}
+
+TEST_CASE("handles of the spread are seen, pulled, kept as a step and gone when protected") {
+  auto window = openWindow();
+  Hand hand(*window);
+  Session& session = window->session();
+  REQUIRE(window->openProject(QString::fromStdString(
+      (std::filesystem::path(ECORCHE_SOURCE_DIR) / "examples/arm/arm.ecorche").string())));
+  REQUIRE(hand.settle());
+  session.select({"deltoid", -1, -1, {}});
+  const QImage plain = hand.look();
+
+  studio::Display display = session.display();
+  display.fibers = true;
+  display.skin = false;
+  session.setDisplay(display);
+  REQUIRE(hand.settle());
+  const QImage streaks = hand.look();
+  hand.keep("13-fibres");
+  display.fibers = false;
+  session.setDisplay(display);
+  CHECK(test::changedShare(streaks, hand.look()) > 0.002);
+
+  hand.key(Qt::Key_G);
+  REQUIRE(session.display().spread);
+  CHECK(test::changedShare(plain, hand.look()) > 0.001);
+  hand.keep("14-spread");
+  const auto gizmo = SpreadGizmo::of(session, window->view().eye());
+  REQUIRE(gizmo);
+  const QPoint handle = Hand::pointOf(window->view().eye().pixelOf(gizmo->handles()[1]).value());
+  const QPoint middle = Hand::pointOf(
+      window->view().eye().pixelOf(0.5 * (gizmo->axes()[1][0] + gizmo->axes()[1][1])).value());
+  const double before = session.selectedTissue()->anisotropy.lambda3;
+  hand.drag({handle, handle + (handle - middle)});
+  const double after = session.selectedTissue()->anisotropy.lambda3;
+  CHECK(after > 2.0 * before);
+  CHECK(session.history().stepsDone() == 1);
+  REQUIRE(hand.settle());
+  hand.keep("15-spread-pulled");
+  hand.key(Qt::Key_Z, Qt::ControlModifier);
+  CHECK(session.selectedTissue()->anisotropy.lambda3 == before);
+
+  hand.key(Qt::Key_L, Qt::ControlModifier);
+  CHECK(session.selectedTissue()->isProtected);
+  CHECK_FALSE(SpreadGizmo::of(session, window->view().eye()));
+  const model::Project guarded = session.project();
+  const QPoint point = Hand::pointOf(
+      window->view().eye().pixelOf(session.selectedTissue()->curves[0].points[1].at).value());
+  hand.drag({point, point + QPoint(20, 10)});
+  CHECK(session.project() == guarded);
 }

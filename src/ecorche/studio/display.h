@@ -15,6 +15,8 @@ struct Display {
   double skinOpacity = 0.35;  ///< 0: not drawn, 1: as opaque as skin gets [unitless]
   bool bones = true;
   bool muscles = true;
+  bool fibers = false;     ///< streaks along the fibres
+  bool spread = false;     ///< handles for the selected muscle's spread across its curve
   bool allCurves = false;  ///< of every muscle; those of the selected one are always there
   bool fine = true;        ///< soft light and shadows while nothing moves
   render::Palette palette = render::Palette::Anatomical;

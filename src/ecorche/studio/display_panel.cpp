@@ -29,9 +29,13 @@ DisplayPanel::DisplayPanel(Session& session, QWidget* parent) : QWidget(parent),
   form->addRow(tr("Skin"), opacity_);
   bones_ = new QCheckBox(tr("Bones"), this);
   muscles_ = new QCheckBox(tr("Muscles"), this);
+  fibers_ = new QCheckBox(tr("Fibres on muscles"), this);
+  fibers_->setObjectName("fibers");
+  fibers_->setToolTip(tr("Streaks along the muscles' curves"));
   curves_ = new QCheckBox(tr("Curves of all muscles"), this);
   form->addRow(QString(), bones_);
   form->addRow(QString(), muscles_);
+  form->addRow(QString(), fibers_);
   form->addRow(QString(), curves_);
   peel_ = new QSpinBox(this);
   peel_->setRange(-1, 99);
@@ -67,7 +71,7 @@ DisplayPanel::DisplayPanel(Session& session, QWidget* parent) : QWidget(parent),
 
   for (QSlider* s : {opacity_, clipAt_, explode_})
     connect(s, &QSlider::valueChanged, this, &DisplayPanel::changed);
-  for (QCheckBox* box : {bones_, muscles_, curves_, fine_, clipFlip_})
+  for (QCheckBox* box : {bones_, muscles_, fibers_, curves_, fine_, clipFlip_})
     connect(box, &QCheckBox::toggled, this, &DisplayPanel::changed);
   for (QComboBox* box : {clipAxis_, palette_})
     connect(box, &QComboBox::currentIndexChanged, this, &DisplayPanel::changed);
@@ -93,6 +97,7 @@ void DisplayPanel::fill() {
   opacity_->setValue(static_cast<int>(kTicks * (d.skin ? d.skinOpacity : 0.0)));
   bones_->setChecked(d.bones);
   muscles_->setChecked(d.muscles);
+  fibers_->setChecked(d.fibers);
   curves_->setChecked(d.allCurves);
   fine_->setChecked(d.fine);
   explode_->setValue(static_cast<int>(kTicks * d.explode));
@@ -113,6 +118,7 @@ void DisplayPanel::changed() {
   d.skin = d.skinOpacity > 0.0;
   d.bones = bones_->isChecked();
   d.muscles = muscles_->isChecked();
+  d.fibers = fibers_->isChecked();
   d.allCurves = curves_->isChecked();
   d.fine = fine_->isChecked();
   d.explode = static_cast<double>(explode_->value()) / kTicks;

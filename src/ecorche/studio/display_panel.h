@@ -25,6 +25,7 @@ class DisplayPanel : public QWidget {
   QSlider* opacity_;
   QCheckBox* bones_;
   QCheckBox* muscles_;
+  QCheckBox* fibers_;
   QCheckBox* curves_;
   QCheckBox* fine_;
   QComboBox* clipAxis_;

@@ -122,33 +122,6 @@ Edit thicken(const Session& session, double factor) {
   return out;
 }
 
-std::optional<MirrorPlane> mirrorPlane(const Session& session) {
-  for (const model::CutPlane& plane : session.project().cutPlanes) {
-    if (plane.kind == model::CutPlane::Kind::Symmetry)
-      return MirrorPlane{plane.point, plane.normal};
-  }
-  if (!session.meshes() || session.meshes()->meshes.skin.F.rows() == 0) return std::nullopt;
-  const mesh::SurfaceMesh& skin = session.meshes()->meshes.skin;
-  const mesh::Box box = mesh::boundingBox(skin);
-  const mesh::SurfaceQuery surface(skin);
-  MirrorPlane best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 3; ++axis) {
-    const MirrorPlane plane{0.5 * (box.lo + box.hi), Vector3::Unit(axis)};
-    double sum = 0.0;
-    const Eigen::Index step = std::max<Eigen::Index>(1, skin.V.rows() / 400);
-    for (Eigen::Index v = 0; v < skin.V.rows(); v += step) {
-      const Vector3 p = skin.V.row(v).transpose();
-      sum += surface.distance(p - 2.0 * (p - plane.point).dot(plane.normal) * plane.normal);
-    }
-    if (sum < least) {
-      least = sum;
-      best = plane;
-    }
-  }
-  return best;
-}
-
 Edit mirrored(const Session& session, const MirrorPlane& plane) {
   const model::Tissue* tissue = session.selectedTissue();
   if (tissue == nullptr || !tissue->hasCurves() || tissue->curves.empty()) return {};
@@ -169,42 +142,8 @@ Edit mirrored(const Session& session, const MirrorPlane& plane) {
     twin = source + (left ? "_R" : "_L");
     source = sided;
   }
-  const auto image = [&](const Vector3& p) -> Vector3 {
-    return p - 2.0 * (p - plane.point).dot(plane.normal) * plane.normal;
-  };
-  const double reach = session.meshes() ? 0.02 * session.meshes()->diagonal : 0.0;
-  std::vector<model::Curve> curves = tissue->curves;
-  for (model::Curve& curve : curves) {
-    for (auto& p : curve.points) p.at = image(p.at);
-    const auto carry = [&](model::Support& support, Vector3& end) {
-      if (support.on == model::Support::On::Plane) return;
-      if (support.on == model::Support::On::Bone) {
-        const auto other = authoring::mirroredName(support.name);
-        if (other && model::findBone(project, *other)) support.name = *other;
-      }
-      if (support.on != model::Support::On::Tissue && session.meshes()) {
-        const auto snap = authoring::snapToBone(end, session.meshes()->bones, reach);
-        support = snap ? snap->support : model::Support{};
-        if (snap) end = snap->at;
-      } else if (support.on == model::Support::On::Tissue) {
-        const auto other = authoring::mirroredName(support.name);
-        if (other && model::findTissue(project, *other)) support.name = *other;
-      }
-    };
-    carry(curve.start, curve.points.front().at);
-    carry(curve.end, curve.points.back().at);
-  }
-  if (const auto there = model::findTissue(project, *twin)) {
-    const model::Tissue& old = project.tissues[*there];
-    for (std::size_t c = 0; c < old.curves.size(); ++c)
-      out.commands.push_back(model::RemoveCurve{*twin, 0});
-    for (const model::Curve& curve : curves) out.commands.push_back(model::AddCurve{*twin, curve});
-  } else {
-    const auto copy = copyOf(*tissue, *twin, curves);
-    out.commands.insert(out.commands.end(), copy.begin(), copy.end());
-    const model::Side side = authoring::sideFrom(*twin);
-    if (side != model::Side::Unknown) out.commands.push_back(model::SetSide{*twin, side});
-  }
+  const auto image = imageOf(project, session.meshes().get(), *tissue, *twin, plane);
+  out.commands.insert(out.commands.end(), image.begin(), image.end());
   out.label = QObject::tr("Mirror %1").arg(shown(tissue->name));
   out.select = {source, -1, -1, {}};
   return out;

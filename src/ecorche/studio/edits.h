@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/studio/session.h>
+#include <ecorche/studio/twins.h>
 
 #include <QString>
 #include <optional>
@@ -29,13 +30,6 @@ struct Edit {
 /// All values of the selected muscle times a factor.
 [[nodiscard]] Edit thicken(const Session& session, double factor);
 
-/// A plane that mirrors the body: that of the project if it has a symmetry plane, else one through
-/// the middle of the skin, across the axis along which its halves are most alike.
-struct MirrorPlane {
-  mesh::Vector3 point = mesh::Vector3::Zero();    // [m]
-  mesh::Vector3 normal = mesh::Vector3::UnitY();  // unit
-};
-[[nodiscard]] std::optional<MirrorPlane> mirrorPlane(const Session& session);
 /// The selected muscle's image on the other side, with the bones of that side and its name; a name
 /// without a side gets one. Where the image exists it is brought in step.
 /// Ends come to lie on the bone of that side, if one is near.

@@ -212,7 +212,7 @@ void MainWindow::mirrorSelected() {
     session_->tell(Severity::Note, tr("Select a muscle to mirror"));
     return;
   }
-  if (const auto plane = mirrorPlane(*session_)) carryOut(mirrored(*session_, *plane));
+  if (const auto plane = session_->mirrorPlane()) carryOut(mirrored(*session_, *plane));
 }
 
 void MainWindow::refresh() {

@@ -48,6 +48,11 @@ void MainWindow::makeActions() {
       [this] { carryOut(removeSelected(*session_)); });
   add("duplicate", tr("D&uplicate"), tr("Ctrl+D"), [this] { carryOut(duplicate(*session_)); });
   add("mirror", tr("&Mirror"), tr("M"), [this] { mirrorSelected(); });
+  add("protect", tr("&Protect, or lift that"), tr("Ctrl+L"), [this] {
+    if (const model::Tissue* tissue = session_->selectedTissue())
+      session_->perform(model::SetProtected{tissue->name, !tissue->isProtected},
+                        tr("Protect %1").arg(QString::fromStdString(tissue->name)));
+  });
   add("split", tr("&Split at the point"), tr("Ctrl+K"),
       [this] { carryOut(splitCurve(*session_)); });
   add("thicker", tr("Thicker"), tr("+"), [this] { carryOut(thicken(*session_, 1.1)); });
@@ -104,6 +109,11 @@ void MainWindow::makeActions() {
     const std::string name = s.tissue.empty() ? s.bone : s.tissue;
     if (!name.empty()) session_->setHidden(name, !session_->display().hidden.contains(name));
   });
+  add("spread", tr("Handles for the spread"), tr("G"), [this] {
+    Display display = session_->display();
+    display.spread = !display.spread;
+    session_->setDisplay(display);
+  });
   add("showAll", tr("Show all"), tr("Shift+H"), [this] {
     Display display = session_->display();
     display.hidden.clear();
@@ -149,13 +159,13 @@ void MainWindow::makeMenus() {
   };
   fill(menuBar()->addMenu(tr("&File")),
        {"new", "open", "", "save", "saveAs", "saveScript", "", "export", "reload", "", "quit"});
-  fill(menuBar()->addMenu(tr("&Edit")),
-       {"undo", "redo", "", "duplicate", "mirror", "split", "delete", "", "thicker", "thinner"});
+  fill(menuBar()->addMenu(tr("&Edit")), {"undo", "redo", "", "duplicate", "mirror", "split",
+                                         "protect", "delete", "", "thicker", "thinner"});
   fill(menuBar()->addMenu(tr("&Muscle")),
        {"select", "draw", "drawHead", "click", "", "endsOnPlanes", "endsOnMuscles"});
   QMenu* view = menuBar()->addMenu(tr("&View"));
   fill(view, {"frame", "frameAll", "", "front", "back", "side", "otherSide", "top", "bottom",
-              "parallel", "", "hide", "solo", "xray", "showAll"});
+              "parallel", "", "hide", "solo", "xray", "showAll", "", "spread"});
   view->addSeparator();
   QMenu* panels = view->addMenu(tr("Panels"));
   for (QDockWidget* dock : docks_) panels->addAction(dock->toggleViewAction());

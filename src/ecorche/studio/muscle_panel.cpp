@@ -1,6 +1,8 @@
+#include <ecorche/authoring/names.h>
 #include <ecorche/studio/edits.h>
 #include <ecorche/studio/muscle_panel.h>
 
+#include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
@@ -95,7 +97,18 @@ void MusclePanel::makeValueRows(QFormLayout& form) {
   volume_->setSuffix(tr(" cm³"));
   volume_->setKeyboardTracking(false);
   volume_->setToolTip(tr("Scales all values until the muscle has this volume"));
-  form.addRow(tr("Volume"), volume_);
+  auto* volumeRow = new QWidget(form_);
+  auto* volumeLine = new QHBoxLayout(volumeRow);
+  volumeLine->setContentsMargins(0, 0, 0, 0);
+  keepVolume_ = new QCheckBox(tr("keep"), volumeRow);
+  keepVolume_->setObjectName("keepVolume");
+  keepVolume_->setToolTip(tr("The muscle keeps this volume while its points and values change"));
+  volumeLine->addWidget(volume_, 1);
+  volumeLine->addWidget(keepVolume_);
+  form.addRow(tr("Volume"), volumeRow);
+  connect(keepVolume_, &QCheckBox::toggled, this, [this](bool on) {
+    if (!filling_) session_.keepVolume(session_.selection().tissue, on);
+  });
   connect(volume_, &QDoubleSpinBox::valueChanged, this, [this](double cm3) {
     if (!filling_ && !session_.setVolume(session_.selection().tissue, 1e-6 * cm3)) fill();
   });
@@ -131,6 +144,29 @@ void MusclePanel::makeValueRows(QFormLayout& form) {
 }
 
 void MusclePanel::makeNameRows(QFormLayout& form) {
+  const auto toggle = [&](const char* name, const QString& text, const QString& tip) {
+    auto* box = new QCheckBox(text, form_);
+    box->setObjectName(name);
+    box->setToolTip(tip);
+    form.addRow(QString(), box);
+    return box;
+  };
+  protected_ = toggle("protected", tr("Protected"),
+                      tr("Its curves and values stay as they are until this is lifted"));
+  connect(protected_, &QCheckBox::toggled, this, [this](bool on) {
+    if (!filling_)
+      session_.perform(model::SetProtected{session_.selection().tissue, on},
+                       on ? tr("Protect %1").arg(title_->text())
+                          : tr("Lift the protection of %1").arg(title_->text()));
+  });
+  keepsTwin_ = toggle("keepsTwin", tr("Keep its twin in step"),
+                      tr("The muscle of the same name on the other side follows every edit"));
+  connect(keepsTwin_, &QCheckBox::toggled, this, [this](bool on) {
+    if (!filling_)
+      session_.perform(model::SetKeepsTwin{session_.selection().tissue, on},
+                       on ? tr("Keep the twin of %1 in step").arg(title_->text())
+                          : tr("Let go of the twin of %1").arg(title_->text()));
+  });
   side_ = new QComboBox(form_);
   side_->addItem(tr("not said"), static_cast<int>(model::Side::Unknown));
   side_->addItem(tr("left"), static_cast<int>(model::Side::Left));
@@ -261,7 +297,6 @@ void MusclePanel::fill() {
   facts_->setText(facts.join("\n"));
 
   const auto volume = session_.volumeOf(tissue->name);
-  volume_->setEnabled(volume.has_value());
   if (!volume_->hasFocus() || !volume) volume_->setValue(1e6 * volume.value_or(0.0));
 
   const Selection& s = session_.selection();
@@ -280,6 +315,14 @@ void MusclePanel::fill() {
   if (!valueSlider_->isSliderDown()) valueSlider_->setValue(tickOf(value));
   valueOf_->setText(s.point >= 0 ? tr("Value, point %1").arg(s.point + 1)
                                  : tr("Value, all points"));
+  keepVolume_->setEnabled(volume.has_value());
+  keepVolume_->setChecked(session_.keepsVolume(tissue->name));
+  protected_->setChecked(tissue->isProtected);
+  keepsTwin_->setChecked(tissue->keepsTwin);
+  keepsTwin_->setEnabled(!tissue->isProtected && authoring::mirroredName(tissue->name).has_value());
+  for (QWidget* part : std::initializer_list<QWidget*>{
+           thicknessSlider_, volume_, valueSlider_, value_, core_, lambda2_, lambda3_, rotation_})
+    part->setEnabled(!tissue->isProtected && (part != volume_ || volume));
   side_->setCurrentIndex(side_->findData(static_cast<int>(tissue->side)));
   if (!group_->hasFocus()) group_->setText(QString::fromStdString(tissue->group));
   layer_->setValue(tissue->layer.value_or(-1));

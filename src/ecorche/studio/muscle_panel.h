@@ -4,6 +4,7 @@
 
 #include <QWidget>
 
+class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
@@ -32,9 +33,12 @@ class MusclePanel : public QWidget {
   QWidget* form_;
   QSlider* thicknessSlider_;
   QDoubleSpinBox* volume_;
+  QCheckBox* keepVolume_;
   QSlider* valueSlider_;
   QDoubleSpinBox* value_;
   QLabel* valueOf_;
+  QCheckBox* protected_;
+  QCheckBox* keepsTwin_;
   QComboBox* side_;
   QLineEdit* group_;
   QSpinBox* layer_;

@@ -101,6 +101,7 @@ void SceneBuilder::addVolume(const Input& input, render::Scene& scene) {
   scene.volume->fieldsRevision = input.edits.revision;
   scene.volume->changed = input.edits.changed;
   scene.volume->prepared = input.edits.prepared;
+  scene.volume->flow = input.flow;
   const auto places = engine::liveTissuePlaces(input.project);
   for (std::size_t i = 0; i < input.tissues->slotOf.size(); ++i) {
     if (input.tissues->slotOf[i] >= places.size()) continue;
@@ -128,6 +129,7 @@ void SceneBuilder::addLines(const Input& input, const SceneColours& colours, ren
       for (const auto& point : curve.points) points.push_back(point.at);
     }
   }
+  wanted.pixelScale = input.pixelScale;
   wanted.colour = colours.curve;
   wanted.accent = colours.accent;
   if (!(wanted == curvesShown_)) {
@@ -139,8 +141,9 @@ void SceneBuilder::addLines(const Input& input, const SceneColours& colours, ren
       for (const model::Curve* curve : curves) sampled.push_back(polyline(*curve, wanted.spacing));
       lines_.push_back(line(std::move(sampled), colour, width));
     };
-    add(others, colours.curve, kCurveWidth);
-    add(own, colours.accent, kSelectedWidth);
+    const auto scale = static_cast<float>(input.pixelScale);
+    add(others, colours.curve, scale * kCurveWidth);
+    add(own, colours.accent, scale * kSelectedWidth);
     curvesShown_ = std::move(wanted);
   }
   scene.lines = lines_;
@@ -148,6 +151,7 @@ void SceneBuilder::addLines(const Input& input, const SceneColours& colours, ren
 
 void SceneBuilder::addPoints(const Input& input, const SceneColours& colours,
                              render::Scene& scene) {
+  const float radius = static_cast<float>(input.pixelScale) * kPointRadius;
   if (const auto place = model::findTissue(input.project, input.selection.tissue)) {
     const model::Tissue& tissue = input.project.tissues[*place];
     std::vector<Vector3> plain;
@@ -163,10 +167,11 @@ void SceneBuilder::addPoints(const Input& input, const SceneColours& colours,
       }
     }
     const Rgba white{0.95f, 0.95f, 0.93f, 1.0f};
-    if (!plain.empty()) scene.points.push_back(balls(std::move(plain), white, kPointRadius));
+    if (!plain.empty()) scene.points.push_back(balls(std::move(plain), white, radius));
     if (!taken.empty())
-      scene.points.push_back(balls(std::move(taken), colours.accent, kPointRadius * 1.25f));
+      scene.points.push_back(balls(std::move(taken), colours.accent, 1.25f * radius));
   }
+  if (!input.marks.empty()) scene.points.push_back(balls(input.marks, colours.accent, radius));
 }
 
 render::Scene SceneBuilder::build(const Input& input, const SceneColours& colours) {
@@ -194,10 +199,11 @@ render::Scene SceneBuilder::build(const Input& input, const SceneColours& colour
   addVolume(input, scene);
   addLines(input, colours, scene);
   addPoints(input, colours, scene);
+  const auto scale = static_cast<float>(input.pixelScale);
   if (input.stroke.size() >= 2)
-    scene.lines.push_back(line({input.stroke}, colours.accent, kSelectedWidth));
-  if (!input.marks.empty())
-    scene.points.push_back(balls(input.marks, colours.accent, kPointRadius));
+    scene.lines.push_back(line({input.stroke}, colours.accent, scale * kSelectedWidth));
+  if (!input.guides.empty())
+    scene.lines.push_back(line(input.guides, colours.accent, scale * kCurveWidth));
   return scene;
 }
 

@@ -30,11 +30,15 @@ class SceneBuilder {
     std::shared_ptr<const domain::DomainBuild> domain;   ///< may be null
     std::shared_ptr<const engine::LiveTissues> tissues;  ///< may be null
     Session::FieldEdits edits;                           ///< of the tissues' fields
+    std::shared_ptr<const mesh::Directions> flow;        ///< of fibres; null: none to be shown
     const Display& display;
     const Selection& selection;
-    Selection hovered;                  ///< what the hand would take hold of
-    std::vector<mesh::Vector3> stroke;  ///< being drawn
-    std::vector<mesh::Vector3> marks;   ///< places to show: where a stroke would begin
+    Selection hovered;                               ///< what the hand would take hold of
+    std::vector<mesh::Vector3> stroke;               ///< being drawn
+    std::vector<mesh::Vector3> marks;                ///< places to show: where a stroke would begin
+    std::vector<std::vector<mesh::Vector3>> guides;  ///< lines of handles
+    /// Pixels of this picture over those of the window: what is so many pixels wide is that there.
+    double pixelScale = 1.0;
   };
   [[nodiscard]] render::Scene build(const Input& input, const SceneColours& colours);
 
@@ -54,6 +58,7 @@ class SceneBuilder {
   struct CurvesShown {
     std::vector<std::vector<mesh::Vector3>> others, own;  // their control points
     double spacing = 0.0;                                 // [m]
+    double pixelScale = 1.0;                              // of their width
     render::Rgba colour{}, accent{};
     bool operator==(const CurvesShown&) const = default;
   };

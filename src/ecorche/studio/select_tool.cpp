@@ -1,5 +1,6 @@
 #include <ecorche/studio/edits.h>
 #include <ecorche/studio/select_tool.h>
+#include <ecorche/studio/spread_gizmo.h>
 
 namespace ecorche::studio {
 
@@ -29,9 +30,18 @@ int endOf(const Session& session, const Selection& s) {
 
 }  // namespace
 
+std::shared_ptr<const SpreadGizmo> SelectTool::gizmo() const {
+  if (!session().display().spread) return nullptr;
+  const auto made = SpreadGizmo::of(session(), view_.camera);
+  return made ? std::make_shared<const SpreadGizmo>(*made) : nullptr;
+}
+
 void SelectTool::hover(const Touch& touch) {
   Overlay overlay;
-  if (const auto handle = Picker::pickHandle(pickInput(), touch.pixel)) {
+  const auto spread = gizmo();
+  if (spread && spread->under(touch.pixel)) {
+    overlay.cursor = Qt::OpenHandCursor;
+  } else if (const auto handle = Picker::pickHandle(pickInput(), touch.pixel)) {
     overlay.hovered = *handle;
     overlay.cursor = handle->point >= 0 ? Qt::OpenHandCursor : Qt::PointingHandCursor;
   }
@@ -40,11 +50,18 @@ void SelectTool::hover(const Touch& touch) {
 }
 
 bool SelectTool::press(const Touch& touch) {
+  if (const auto spread = gizmo()) {
+    if (const auto part = spread->under(touch.pixel)) {
+      held_ = Held{session().selection(), Vector3::Zero(), touch.pixel, false, spread, *part};
+      emit hintChanged();
+      return true;
+    }
+  }
   const Selection what = Picker::pick(pickInput(), touch.pixel);
   const bool nothing = what == Selection{};
   session().select(what);
   if (nothing) return false;
-  held_ = Held{what, Vector3::Zero(), touch.pixel, false};
+  held_ = Held{what, Vector3::Zero(), touch.pixel, false, nullptr, {}};
   if (const model::ControlPoint* point = pointOf(session(), what)) held_->at = point->at;
   emit hintChanged();
   return true;
@@ -88,7 +105,10 @@ std::vector<model::Command> SelectTool::moveTo(const Touch& touch) const {
 }
 
 void SelectTool::drag(const Touch& touch) {
-  if (!held_ || held_->what.point < 0) return;
+  if (!held_ || (held_->what.point < 0 && !held_->gizmo)) return;
+  if (const model::Tissue* tissue = session().selectedTissue();
+      tissue != nullptr && tissue->isProtected)
+    return;
   if (!held_->moved && (touch.pixel - held_->pixel).norm() < kSlack) return;
   if (!held_->moved) {
     held_->moved = true;
@@ -96,13 +116,19 @@ void SelectTool::drag(const Touch& touch) {
     overlay.cursor = Qt::ClosedHandCursor;
     show(overlay);
   }
-  session().draft(moveTo(touch));
+  if (held_->gizmo) {
+    session().draft({model::SetAnisotropy{
+        held_->what.tissue, held_->gizmo->dragged(held_->part, held_->pixel, touch.pixel)}});
+  } else {
+    session().draft(moveTo(touch));
+  }
 }
 
 void SelectTool::release(const Touch& touch) {
   if (!held_) return;
   if (held_->moved)
-    session().keepDraft(tr("Move a point of %1").arg(QString::fromStdString(held_->what.tissue)));
+    session().keepDraft((held_->gizmo ? tr("Spread of %1") : tr("Move a point of %1"))
+                            .arg(QString::fromStdString(held_->what.tissue)));
   held_.reset();
   hover(touch);
   emit hintChanged();
@@ -142,8 +168,15 @@ bool SelectTool::cancel() {
 
 QString SelectTool::hint() const {
   const Selection& s = session().selection();
+  if (held_ && held_->gizmo)
+    return held_->part == SpreadPart::Ring
+               ? tr("Turns the spread about the curve · Esc gives up")
+               : tr("Wider away from the curve, narrower towards it · Esc gives up");
   if (held_ && held_->moved)
     return tr("Let go to keep it · Shift: along the line of sight · Ctrl: snap · Esc gives up");
+  if (const model::Tissue* tissue = session().selectedTissue();
+      tissue != nullptr && tissue->isProtected)
+    return tr("%1 is protected: Ctrl+L lifts that").arg(QString::fromStdString(tissue->name));
   if (s.point >= 0) return tr("Drag the point · Del removes it · Alt+wheel: tissue value");
   if (!s.tissue.empty())
     return tr("%1: drag its points · double-click its curve for a new one · H hides it")

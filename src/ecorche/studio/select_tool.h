@@ -2,7 +2,12 @@
 
 #include <ecorche/studio/tool.h>
 
+#include <memory>
+
 namespace ecorche::studio {
+
+class SpreadGizmo;
+enum class SpreadPart : int;
 
 /// Takes hold of muscles, curves and control points, and moves points: in the plane of the view,
 /// with Shift along the line of sight, with Ctrl onto what lies near. Ends glide over bone.
@@ -26,10 +31,13 @@ class SelectTool : public Tool {
     mesh::Vector3 at = mesh::Vector3::Zero();         // where the point was [m]
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // where the hand took it
     bool moved = false;
+    std::shared_ptr<const SpreadGizmo> gizmo;  // as it was when the hand took it
+    SpreadPart part{};
   };
   std::optional<Held> held_;
 
   [[nodiscard]] std::vector<model::Command> moveTo(const Touch& touch) const;
+  [[nodiscard]] std::shared_ptr<const SpreadGizmo> gizmo() const;
 };
 
 }  // namespace ecorche::studio

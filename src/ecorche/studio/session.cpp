@@ -1,4 +1,5 @@
 #include <ecorche/core/give_way.h>
+#include <ecorche/engine/curve_directions.h>
 #include <ecorche/engine/live_parts.h>
 #include <ecorche/model/command_text.h>
 #include <ecorche/model/project_file.h>
@@ -16,7 +17,9 @@ namespace ecorche::studio {
 
 namespace {
 
-constexpr int kRestMs = 120;  // without an edit, before volumes are measured
+constexpr int kRestMs = 120;           // without an edit, before volumes are measured
+constexpr double kVolumeSlack = 2e-3;  // of a volume that is kept, relative
+constexpr double kLineSteps = 500.0;   // of curves that give fibres their direction, of a diagonal
 
 }  // namespace
 
@@ -53,6 +56,8 @@ void Session::start(model::Project project, std::filesystem::path file, bool sav
   volumes_.clear();
   coming_.reset();
   prepared_.reset();
+  flow_.reset();
+  keptVolumes_.clear();
   fieldsNew_ = true;
   lastFault_.clear();
   findingsTold_.clear();
@@ -81,28 +86,68 @@ Result<void> Session::save(const std::filesystem::path& file) {
   return {};
 }
 
+namespace {
+
+// The project after the commands.
+Result<model::Project> carriedOut(model::Project project,
+                                  const std::vector<model::Command>& commands) {
+  for (const model::Command& command : commands) {
+    auto next = model::apply(project, command);
+    if (!next) return passOn(next);
+    project = std::move(*next);
+  }
+  return project;
+}
+
+}  // namespace
+
+// The commands, and what else has to be done so that twins that are kept in step stay so.
+Result<std::vector<model::Command>> Session::withFollowers(
+    const std::vector<model::Command>& commands) {
+  const model::Project& before = history_->project();
+  std::vector<model::Command> out;
+  Result<model::Project> after = before;
+  for (const model::Command& command : commands) {
+    std::vector<model::Command> step{command};
+    if (const auto* rename = std::get_if<model::RenameTissue>(&command.act))
+      if (const auto other = twinsRename(*after, *rename)) step.emplace_back(*other);
+    after = carriedOut(*after, step);
+    if (!after) return passOn(after);
+    out.insert(out.end(), step.begin(), step.end());
+  }
+  if (std::ranges::any_of(after->tissues, &model::Tissue::keepsTwin)) {
+    if (const auto plane = mirrorPlane()) {
+      const auto follow = twinsFollow(before, *after, meshes_.get(), *plane);
+      out.insert(out.end(), follow.begin(), follow.end());
+    }
+  }
+  return out;
+}
+
 bool Session::perform(const std::vector<model::Command>& commands, const QString& label) {
   draft_.reset();
-  if (auto done = history_->perform(commands, label.toStdString()); !done) {
-    tell(Severity::Error, QString::fromStdString(done.error().message), done.error().place.point);
+  const auto refuse = [&](const Error& error) {
+    tell(Severity::Error, QString::fromStdString(error.message), error.place.point);
     emit projectChanged();
     return false;
-  }
+  };
+  auto all = withFollowers(commands);
+  if (!all) return refuse(all.error());
+  if (auto done = history_->perform(*all, label.toStdString()); !done) return refuse(done.error());
   changed();
+  keepVolumes();
   return true;
 }
 
 bool Session::draft(const std::vector<model::Command>& commands) {
-  model::Project after = history_->project();
-  for (const model::Command& command : commands) {
-    auto next = model::apply(after, command);
-    if (!next) {
-      tell(Severity::Warning, QString::fromStdString(next.error().message));
-      return false;
-    }
-    after = std::move(*next);
+  const auto all = withFollowers(commands);
+  auto after = all ? carriedOut(history_->project(), *all)
+                   : Result<model::Project>(tl::unexpected(all.error()));
+  if (!after) {
+    tell(Severity::Warning, QString::fromStdString(after.error().message));
+    return false;
   }
-  draft_ = Draft{commands, std::move(after)};
+  draft_ = Draft{commands, std::move(*after)};
   changed();
   return true;
 }
@@ -160,6 +205,7 @@ const model::Tissue* Session::selectedTissue() const {
 void Session::setDisplay(const Display& display) {
   display_ = display;
   emit displayChanged();
+  direct();
 }
 
 void Session::setHidden(const std::string& name, bool hidden) {
@@ -183,37 +229,87 @@ void Session::stopComputing() {
   setSettled(true);
 }
 
-std::optional<double> Session::volumeOf(const std::string& tissue) const {
+// Which of the tissues at hand it is; nothing while it has no body.
+std::optional<std::size_t> Session::entryOf(const std::string& tissue) const {
   if (!tissues_) return std::nullopt;
   const auto places = engine::liveTissuePlaces(project());
-  for (std::size_t i = 0; i < tissues_->slotOf.size() && i + 1 < volumes_.size(); ++i) {
+  for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
     const std::size_t slot = tissues_->slotOf[i];
-    if (slot < places.size() && project().tissues[places[slot]].name == tissue)
-      return volumes_[i + 1];
+    if (slot < places.size() && project().tissues[places[slot]].name == tissue) return i;
   }
   return std::nullopt;
 }
 
-bool Session::setVolume(const std::string& tissue, double volume) {
-  const auto place = model::findTissue(project(), tissue);
-  if (!tissues_ || !place || !(volume > 0.0)) return false;
-  const auto places = engine::liveTissuePlaces(project());
-  for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
-    if (tissues_->slotOf[i] >= places.size() || places[tissues_->slotOf[i]] != *place) continue;
-    RunContext run;
-    const auto values = tissue::valuesForVolume(*tissues_->fields, i, volume, run);
-    if (!values) {
-      tell(Severity::Warning, QString::fromStdString(values.error().message));
-      return false;
-    }
-    std::vector<model::Command> commands;
-    for (std::size_t c = 0; c < values->size(); ++c) {
-      for (std::size_t p = 0; p < (*values)[c].size(); ++p)
-        commands.push_back(model::SetPointValue{tissue, c, p, (*values)[c][p]});
-    }
-    return perform(commands, tr("Volume of %1").arg(QString::fromStdString(tissue)));
+std::optional<double> Session::volumeOf(const std::string& tissue) const {
+  const auto entry = entryOf(tissue);
+  if (!entry || *entry + 1 >= volumes_.size()) return std::nullopt;
+  return volumes_[*entry + 1];
+}
+
+Result<std::vector<model::Command>> Session::valuesFor(const std::string& tissue, double volume) {
+  std::vector<model::Command> commands;
+  const auto entry = entryOf(tissue);
+  if (!entry || !(volume > 0.0)) return commands;
+  RunContext run;
+  const auto values = tissue::valuesForVolume(*tissues_->fields, *entry, volume, run);
+  if (!values) return passOn(values);
+  for (std::size_t c = 0; c < values->size(); ++c) {
+    for (std::size_t p = 0; p < (*values)[c].size(); ++p)
+      commands.push_back(model::SetPointValue{tissue, c, p, (*values)[c][p]});
   }
-  return false;
+  return commands;
+}
+
+bool Session::setVolume(const std::string& tissue, double volume) {
+  if (keepsVolume(tissue)) keptVolumes_[tissue] = volume;
+  const auto commands = valuesFor(tissue, volume);
+  if (!commands) tell(Severity::Warning, QString::fromStdString(commands.error().message));
+  if (!commands || commands->empty()) return false;
+  return perform(*commands, tr("Volume of %1").arg(QString::fromStdString(tissue)));
+}
+
+void Session::keepVolume(const std::string& tissue, bool on) {
+  keptVolumes_.erase(tissue);
+  const auto entry = entryOf(tissue);
+  if (on && entry) keptVolumes_[tissue] = tissue::volumeOf(*tissues_->fields, *entry);
+  emit selectionChanged();
+}
+
+// Part of the step that changed them: undone with it.
+void Session::keepVolumes() {
+  // What was undone stays undone
+  if (keptVolumes_.empty() || !tissues_ || draft_ || !history_->canUndo() || history_->canRedo())
+    return;
+  std::erase_if(keptVolumes_,
+                [&](const auto& kept) { return !model::findTissue(project(), kept.first); });
+  for (const auto& [name, volume] : keptVolumes_) {
+    const auto entry = entryOf(name);
+    if (!entry) continue;
+    const double now = tissue::volumeOf(*tissues_->fields, *entry);
+    if (std::abs(now - volume) <= kVolumeSlack * volume) continue;
+    const auto values = valuesFor(name, volume);
+    const auto commands = values ? withFollowers(*values) : values;
+    Result<void> done;
+    if (commands) done = history_->extend(*commands);
+    if (!commands || !done) {
+      const Error& error = commands ? done.error() : commands.error();
+      tell(Severity::Warning, QString::fromStdString(error.message));
+    } else {
+      changed();
+    }
+  }
+}
+
+std::optional<MirrorPlane> Session::mirrorPlane() const {
+  for (const model::CutPlane& plane : project().cutPlanes) {
+    if (plane.kind == model::CutPlane::Kind::Symmetry)
+      return MirrorPlane{plane.point, plane.normal};
+  }
+  if (mirrorOf_ != meshes_ || !mirror_) {
+    mirror_ = studio::mirrorPlane(project(), meshes_.get());
+    mirrorOf_ = meshes_;
+  }
+  return mirror_;
 }
 
 Session::FieldEdits Session::takeFieldEdits() {
@@ -336,7 +432,39 @@ void Session::showTissues(const std::shared_ptr<engine::LiveTissues>& tissues) {
       tell(finding.severity, QString::fromStdString(finding.message), finding.point);
   }
   findingsTold_ = std::move(now);
+  flow_.reset();
   emit liveChanged();
+  direct();
+  keepVolumes();
+}
+
+// Directions of fibres, for those who look at them.
+void Session::direct() {
+  if (!display_.fibers || flow_ || !tissues_ || directing_.isBusy()) return;
+  std::vector<std::vector<std::vector<mesh::Vector3>>> lines(1);
+  for (const tissue::CurveTissue& tissue : tissues_->fields->tissues()) {
+    lines.emplace_back();
+    if (tissue.filler) continue;
+    for (const auto& curve : tissue.curves)
+      lines.back().push_back(
+          curve.spline.sample((meshes_ ? meshes_->diagonal : 1.0) / kLineSteps).point);
+  }
+  const auto made = std::make_shared<std::shared_ptr<const mesh::Directions>>();
+  directing_.start(
+      [made, domain = tissues_->domain, owners = tissues_->fields->owners(),
+       lines = std::move(lines)](RunContext&) {
+        const GiveWay giveWay;
+        *made = engine::curveDirections(domain->domain.mesh.V, owners, lines);
+      },
+      [this, made, of = tissues_] {
+        if (of == tissues_) {
+          flow_ = *made;
+          emit displayChanged();
+        } else {
+          direct();
+        }
+        emit settledChanged();
+      });
 }
 
 // Fields are linear in values and fat: no solve, and no waiting.
@@ -401,6 +529,9 @@ void Session::measure() {
         if (of == tissues_) {
           volumes_ = *volumes;
           emit volumesChanged();
+          // Owners are other ones, and so is whose curves a vertex follows
+          flow_.reset();
+          direct();
         }
         emit settledChanged();
       });

@@ -6,11 +6,13 @@
 #include <ecorche/render/volume_item.h>
 #include <ecorche/studio/background.h>
 #include <ecorche/studio/display.h>
+#include <ecorche/studio/twins.h>
 
 #include <QObject>
 #include <QString>
 #include <QTimer>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -41,6 +43,7 @@ class Session : public QObject {
   [[nodiscard]] Result<void> save(const std::filesystem::path& file);
 
   /// Several commands as one step; what is wrong with them is told. False: nothing was done.
+  /// Twins that are kept in step and volumes that are kept follow within the step.
   bool perform(const std::vector<model::Command>& commands, const QString& label);
   bool perform(const model::Command& command, const QString& label) {
     return perform(std::vector<model::Command>{command}, label);
@@ -82,7 +85,7 @@ class Session : public QObject {
   /// Nothing is being computed, and everything shown is of the project as it stands, or failed.
   [[nodiscard]] bool isSettled() const {
     return settled_ && !preparing_.isBusy() && !restForMeasuring_.isActive() &&
-           !measuring_.isBusy();
+           !measuring_.isBusy() && !directing_.isBusy();
   }
   void stopComputing();
   void reloadMeshes();  ///< files may have changed
@@ -91,6 +94,17 @@ class Session : public QObject {
 
   /// Scales the muscle's values so that it gets a volume [m³]; what cannot be is told.
   bool setVolume(const std::string& tissue, double volume);
+  /// Keeps the volume that the muscle has now while its points and values change, until told
+  /// otherwise.
+  void keepVolume(const std::string& tissue, bool on);
+  [[nodiscard]] bool keepsVolume(const std::string& tissue) const {
+    return keptVolumes_.contains(tissue);
+  }
+
+  /// The plane that mirrors the body; nothing before the meshes are there.
+  [[nodiscard]] std::optional<MirrorPlane> mirrorPlane() const;
+  /// Directions of fibres at vertices, while the display wants them; null: not there yet.
+  [[nodiscard]] const std::shared_ptr<const mesh::Directions>& flow() const { return flow_; }
 
   void tell(Severity severity, const QString& text, std::optional<mesh::Vector3> place = {});
 
@@ -124,7 +138,11 @@ class Session : public QObject {
   std::shared_ptr<const engine::LiveMeshes> meshes_;
   std::shared_ptr<const domain::DomainBuild> domain_;
   std::shared_ptr<engine::LiveTissues> tissues_;
-  std::vector<double> volumes_;  // by tissue id − 1 [m³]
+  std::vector<double> volumes_;                   // by tissue id − 1 [m³]
+  std::map<std::string, double> keptVolumes_;     // [m³]
+  std::shared_ptr<const mesh::Directions> flow_;  // of tissues_
+  mutable std::optional<MirrorPlane> mirror_;     // of these:
+  mutable std::shared_ptr<const engine::LiveMeshes> mirrorOf_;
   std::uint64_t fieldsRevision_ = 0;
   bool fieldsNew_ = false;             // since takeFieldEdits: all of them
   render::FieldChange fieldsChanged_;  // or these; neither ascending nor each once
@@ -133,6 +151,7 @@ class Session : public QObject {
   std::shared_ptr<render::VolumeContent> prepared_;
   Background preparing_;
   Background measuring_;
+  Background directing_;
   QTimer restForMeasuring_;
   std::uint64_t request_ = 0;
   std::uint64_t firstRequest_ = 0;  // of the project at hand: answers to older ones are dropped
@@ -149,6 +168,13 @@ class Session : public QObject {
   void followValues();
   void noteChanged(std::size_t column, const std::vector<std::int32_t>& vertices);
   void measure();
+  void direct();
+  [[nodiscard]] std::optional<std::size_t> entryOf(const std::string& tissue) const;
+  [[nodiscard]] Result<std::vector<model::Command>> valuesFor(const std::string& tissue,
+                                                              double volume);
+  [[nodiscard]] Result<std::vector<model::Command>> withFollowers(
+      const std::vector<model::Command>& commands);
+  void keepVolumes();
   void setSettled(bool settled);
 };
 

@@ -158,6 +158,16 @@ QIcon icon(Glyph glyph, const QColor& colour) {
       if (glyph == Glyph::EyeClosed) p.drawLine(QPointF(10, 40), QPointF(38, 8));
       break;
     }
+    case Glyph::Lock: {
+      QPainterPath bow(QPointF(15, 22));
+      bow.lineTo(15, 16);
+      bow.cubicTo(15, 4, 33, 4, 33, 16);
+      bow.lineTo(33, 22);
+      p.drawPath(bow);
+      p.setBrush(colour);
+      p.drawRoundedRect(QRectF(11, 22, 26, 19), 4, 4);
+      break;
+    }
   }
   return QIcon(pixmap);
 }

@@ -17,7 +17,19 @@ void applyTheme(QApplication& app, Theme theme);
 [[nodiscard]] QColor accentColour();
 
 /// Icons drawn by the program, in the colour of text.
-enum class Glyph { Select, Draw, Straight, Polyline, Mirror, Undo, Redo, Frame, Eye, EyeClosed };
+enum class Glyph {
+  Select,
+  Draw,
+  Straight,
+  Polyline,
+  Mirror,
+  Undo,
+  Redo,
+  Frame,
+  Eye,
+  EyeClosed,
+  Lock
+};
 [[nodiscard]] QIcon icon(Glyph glyph, const QColor& colour);
 
 }  // namespace ecorche::studio

@@ -1,13 +1,17 @@
 #include <ecorche/render/views.h>
+#include <ecorche/studio/spread_gizmo.h>
 #include <ecorche/studio/viewport.h>
 
+#include <QElapsedTimer>
 #include <QMouseEvent>
 #include <QOffscreenSurface>
 #include <QOpenGLContext>
 #include <QOpenGLFramebufferObject>
+#include <QOpenGLFunctions>
 #include <QPainter>
 #include <QTabletEvent>
 #include <QWheelEvent>
+#include <algorithm>
 #include <cmath>
 
 namespace ecorche::studio {
@@ -18,6 +22,8 @@ namespace {
 
 constexpr int kRestMs = 180;  // without movement, before a picture is refined
 constexpr int kFineSamples = 12;
+constexpr double kSlow = 0.07;  // for a picture in motion [s]
+constexpr int kMostDivisor = 3;
 
 Eigen::Vector2d pixelOf(const QPointF& p) { return {p.x(), p.y()}; }
 
@@ -51,8 +57,10 @@ Viewport::Viewport(Session& session, QWidget* parent) : QOpenGLWidget(parent), s
   rest_.setSingleShot(true);
   rest_.setInterval(kRestMs);
   connect(&rest_, &QTimer::timeout, this, [this] {
-    if (!session_.display().fine || navigating_ || toolHolds_) return;
-    quickPicture_ = false;
+    if (navigating_ || toolHolds_) return;
+    sharp_ = true;
+    quickPicture_ = !session_.display().fine;
+    if (quickPicture_ && divisor_ == 1) return;
     dirty_ = true;
     update();
   });
@@ -71,6 +79,7 @@ Viewport::~Viewport() {
   if (!isValid()) return;
   makeCurrent();
   renderer_.reset();
+  coarse_.reset();
   doneCurrent();
 }
 
@@ -99,6 +108,7 @@ void Viewport::setColours(const SceneColours& colours) {
 void Viewport::redraw() {
   dirty_ = true;
   quickPicture_ = true;
+  sharp_ = false;
   finished_ = false;
   rest_.start();
   update();
@@ -178,19 +188,32 @@ void Viewport::begin(bool quick) {
                             session_.domain(),
                             session_.tissues(),
                             session_.takeFieldEdits(),
+                            session_.display().fibers ? session_.flow() : nullptr,
                             session_.display(),
                             session_.selection(),
                             {},
                             {},
-                            {}};
+                            {},
+                            {},
+                            1.0 / divisorNow()};
   if (tool_ != nullptr) {
     input.hovered = tool_->overlay().hovered;
     input.stroke = tool_->overlay().stroke;
     input.marks = tool_->overlay().marks;
   }
+  if (session_.display().spread) {
+    if (const auto gizmo = SpreadGizmo::of(session_, camera_)) {
+      input.guides = gizmo->axes();
+      input.guides.push_back(gizmo->ring());
+      const auto handles = gizmo->handles();
+      input.marks.insert(input.marks.end(), handles.begin(), handles.end());
+    }
+  }
   render::PictureOptions how;
-  how.width = static_cast<int>(std::lround(width() * devicePixelRatioF()));
-  how.height = static_cast<int>(std::lround(height() * devicePixelRatioF()));
+  how.width =
+      std::max(1, static_cast<int>(std::lround(width() * devicePixelRatioF()) / divisorNow()));
+  how.height =
+      std::max(1, static_cast<int>(std::lround(height() * devicePixelRatioF()) / divisorNow()));
   how.gradient = true;
   if (quick) {
     how.motion = true;
@@ -206,6 +229,8 @@ void Viewport::begin(bool quick) {
 }
 
 void Viewport::paintGL() {
+  QElapsedTimer clock;
+  clock.start();
   if (renderer_ && dirty_) begin(quickPicture_);
   dirty_ = false;
   if (!renderer_) {
@@ -217,15 +242,48 @@ void Viewport::paintGL() {
     return;
   }
   const bool more = renderer_->pass();
-  QOpenGLFramebufferObject::bindDefault();
-  renderer_->resolve(0, 0);
+  if (divisorNow() > 1) {
+    showCoarse();
+  } else {
+    QOpenGLFramebufferObject::bindDefault();
+    renderer_->resolve(0, 0);
+  }
+  if (quickPicture_ && !sharp_) {
+    context()->functions()->glFinish();
+    adaptDivisor(1e-9 * static_cast<double>(clock.nsecsElapsed()));
+  }
   emit drawn();
   if (quickPicture_) {
-    finished_ = !session_.display().fine;
+    finished_ = !session_.display().fine && (sharp_ || divisor_ == 1);
   } else if (more) {
     QTimer::singleShot(0, this, [this] { update(); });
   } else {
     finished_ = true;
+  }
+}
+
+// The picture drawn with fewer pixels than the window has, spread over it.
+void Viewport::showCoarse() {
+  const QSize whole(static_cast<int>(std::lround(width() * devicePixelRatioF())),
+                    static_cast<int>(std::lround(height() * devicePixelRatioF())));
+  const QSize few(std::max(1, whole.width() / divisor_), std::max(1, whole.height() / divisor_));
+  if (!coarse_ || coarse_->size() != few) coarse_ = std::make_unique<QOpenGLFramebufferObject>(few);
+  coarse_->bind();
+  renderer_->resolve(0, 0);
+  QOpenGLFramebufferObject::blitFramebuffer(nullptr, QRect(QPoint(0, 0), whole), coarse_.get(),
+                                            QRect(QPoint(0, 0), few), GL_COLOR_BUFFER_BIT,
+                                            GL_LINEAR);
+  QOpenGLFramebufferObject::bindDefault();
+}
+
+// A machine without a graphics card fills pixels slowly: in motion the hand is better served by
+// half of them at once than by all of them late.
+void Viewport::adaptDivisor(double seconds) {
+  if (seconds > kSlow && divisor_ < kMostDivisor) {
+    ++divisor_;
+  } else if (divisor_ > 1) {
+    const double finer = static_cast<double>(divisor_) / (divisor_ - 1);
+    if (seconds * finer * finer < 0.6 * kSlow) --divisor_;
   }
 }
 

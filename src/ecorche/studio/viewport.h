@@ -12,11 +12,14 @@
 #include <memory>
 #include <optional>
 
+class QOpenGLFramebufferObject;
+
 namespace ecorche::studio {
 
 /// The view of the model: draws what the session shows, turns the eye, hands the rest to the tool.
 ///
-/// While anything moves a picture is one quick pass; at rest passes are added until light is soft
+/// While anything moves a picture is one quick pass, of fewer pixels where the machine is too slow
+/// for all of them; at rest passes are added until light is soft
 /// and edges are smooth. Where OpenGL 3.3 is missing it says so in place of the picture.
 class Viewport : public QOpenGLWidget {
   Q_OBJECT
@@ -74,18 +77,24 @@ class Viewport : public QOpenGLWidget {
   NavigationPreset navigation_ = NavigationPreset::Blender;
 
   std::optional<render::Renderer> renderer_;
+  std::unique_ptr<QOpenGLFramebufferObject> coarse_;
   QString trouble_;
   bool dirty_ = true;
   bool finished_ = false;
   bool quickPicture_ = true;
-  int framed_ = 0;  // for: 1 meshes, 2 their domain
-  QTimer rest_;  // nothing has moved for a moment
+  bool sharp_ = false;  // a quick picture at rest: every pixel
+  int divisor_ = 1;     // of the window's pixels, for pictures in motion
+  int framed_ = 0;      // for: 1 meshes, 2 their domain
+  QTimer rest_;         // nothing has moved for a moment
 
   std::optional<NavigationAct> navigating_;
   bool toolHolds_ = false;
   Eigen::Vector2d last_ = Eigen::Vector2d::Zero();
 
   void begin(bool quick);
+  void showCoarse();
+  void adaptDivisor(double seconds);
+  [[nodiscard]] int divisorNow() const { return quickPicture_ && !sharp_ ? divisor_ : 1; }
   void navigate(const Eigen::Vector2d& pixel);
   void frameWhenFirstSeen();
   [[nodiscard]] mesh::Box shownBox() const;
