@@ -1,10 +1,9 @@
+#include <ecorche/render/shader_parts.h>
 #include <ecorche/render/shaders.h>
 #include <ecorche/render/volume_shaders.h>
 
 namespace ecorche::render::glsl {
 namespace {
-
-const std::string kVersion = "#version 330 core\n";
 
 const std::string kRecords = R"(
 uniform usamplerBuffer uRecords;
