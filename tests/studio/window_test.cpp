@@ -367,3 +367,40 @@ TEST_CASE("handles of the spread are seen, pulled, kept as a step and gone when 
   hand.drag({point, point + QPoint(20, 10)});
   CHECK(session.project() == guarded);
 }
+
+TEST_CASE(
+    "a view in motion shows what it shows at rest, with as many pixels as there is time for") {
+  auto window = openWindow();
+  Hand hand(*window);
+  REQUIRE(window->openProject(QString::fromStdString(
+      (std::filesystem::path(ECORCHE_SOURCE_DIR) / "examples/arm/arm.ecorche").string())));
+  REQUIRE(hand.settle());
+  const QImage rest = hand.look();
+  Viewport& view = window->view();
+  // Turned there and back, so that a slow machine has found its number of pixels
+  const QPoint middle(view.width() / 2, view.height() / 2);
+  const QPoint aside = middle + QPoint(60, 0);
+  hand.drag({middle, aside, middle, aside, middle}, {}, Qt::MiddleButton);
+  const QImage moving = view.grabFramebuffer();
+  hand.keep("16-moving");
+  REQUIRE(moving.size() == rest.size());
+  // Averages of blocks: edges are softer, light has no shadows, but it is the same picture
+  int far = 0, blocks = 0;
+  for (int y = 0; y + 24 <= rest.height(); y += 24)
+    for (int x = 0; x + 24 <= rest.width(); x += 24) {
+      const auto mean = [&](const QImage& image) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (int j = 0; j < 24; ++j)
+          for (int i = 0; i < 24; ++i) {
+            const QColor c = image.pixelColor(x + i, y + j);
+            sum += Eigen::Vector3d(c.red(), c.green(), c.blue());
+          }
+        return Eigen::Vector3d(sum / 576.0);
+      };
+      ++blocks;
+      far += (mean(moving) - mean(rest)).norm() > 45.0 ? 1 : 0;
+    }
+  INFO(far << " of " << blocks << " blocks differ");
+  CHECK(far < blocks / 20);
+  CHECK(test::changedShare(rest, hand.look()) < 0.001);
+}

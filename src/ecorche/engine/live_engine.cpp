@@ -93,7 +93,6 @@ struct LiveEngine::Impl {
   std::shared_ptr<RunContext> running;  // of the stage at hand
   std::optional<model::Project> runningFor;
   model::Project (*runningPart)(const model::Project&) = nullptr;
-  bool busy = false;
   bool gaveUp = false;
   bool quit = false;
 
@@ -139,12 +138,10 @@ void LiveEngine::Impl::loop() {
     Request request;
     {
       std::unique_lock lock(mutex);
-      busy = next.has_value();
       wake.wait(lock, [&] { return quit || next; });
       if (quit) return;
       request = std::move(*next);
       next.reset();
-      busy = true;
       gaveUp = false;
     }
     answer(request);
@@ -185,13 +182,7 @@ void LiveEngine::Impl::answer(const Request& request) {
       }
     }
   }
-  if (!stop()) {
-    {
-      const std::lock_guard lock(mutex);
-      busy = false;
-    }
-    sink({request.revision, LiveIdle{}});
-  }
+  if (!stop()) sink({request.revision, LiveIdle{}});
 }
 
 // Makes a stage's result if what it depends on has changed, and tells of it. False where there is
@@ -361,7 +352,6 @@ void LiveEngine::request(model::Project project, std::uint64_t revision, bool an
     // One that nobody got to is not to be forgotten by the next
     anew = anew || (impl_->next && impl_->next->anew);
     impl_->next = Request{std::move(project), revision, anew};
-    impl_->busy = true;
   }
   impl_->wake.notify_all();
 }
@@ -371,11 +361,6 @@ void LiveEngine::cancel() {
   impl_->gaveUp = true;
   impl_->next.reset();
   if (impl_->running) impl_->running->cancel();
-}
-
-bool LiveEngine::busy() const {
-  const std::lock_guard lock(impl_->mutex);
-  return impl_->busy;
 }
 
 }  // namespace ecorche::engine

@@ -84,7 +84,6 @@ class LiveEngine {
   void request(model::Project project, std::uint64_t revision, bool anew = false);
   /// Gives up what is being computed; what is there stays. The next request goes on from there.
   void cancel();
-  [[nodiscard]] bool busy() const;
 
  private:
   struct Impl;

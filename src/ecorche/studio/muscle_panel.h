@@ -26,7 +26,6 @@ class MusclePanel : public QWidget {
  private:
   Session& session_;
   bool filling_ = false;
-  double thickness_ = 1.0;  // of the drag at hand, over what was there before
 
   QLabel* title_;
   QLabel* facts_;

@@ -19,7 +19,6 @@ class OrbitCamera {
   /// Looks from there at what is in the middle now: 0° is the front, 90° the model's own left.
   void lookFrom(double azimuthDeg, double elevationDeg);
   void setParallel(bool parallel) { parallel_ = parallel; }
-  [[nodiscard]] bool isParallel() const { return parallel_; }
 
   /// A drag by so many pixels: the model turns with the hand.
   void orbit(double dx, double dy);
