@@ -367,12 +367,14 @@ void addBench(CLI::App& app, Commands& commands) {
       "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
       "  ecorche bench preview hind-limb.ecorche --preview 640k --tets 640k\n"
       "  ecorche bench scale hind-limb.ecorche --tets 640k --json\n"
+      "  ecorche bench strokes ../shared/data/dog\n"
       "  ecorche bench values left-39.ecorche --tets 640k\n"
       "  ecorche bench view hind-limb.ecorche --tets 640k --json");
   commands.push_back({resolution, [args](Session& s) { return runResolution(*args, s); }});
   commands.push_back({preview, [args](Session& s) { return runPreview(*args, s); }});
   commands.push_back({view, [args](Session& s) { return runView(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
+  addBenchStrokes(*bench, commands);
   addBenchValues(*bench, commands);
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <random>
 
+#include "authoring/body.h"
 #include "authoring/shapes.h"
 #include "support/paths.h"
 #include "support/shapes.h"
@@ -20,63 +21,9 @@ using namespace ecorche::authoring;
 using mesh::Vector3;
 using model::Support;
 
-namespace {
-
-/// A lumpy body with some bones in it, apart from one another and from the skin.
-struct Body {
-  mesh::SurfaceMesh skinMesh;
-  std::vector<BoneSurface> bones;
-  std::vector<MuscleSites> table;
-
-  explicit Body(std::uint32_t seed) {
-    std::mt19937 random(seed);
-    const auto within = [&](double lo, double hi) {
-      return std::uniform_real_distribution<double>(lo, hi)(random);
-    };
-    const Vector3 lumps(within(1, 4), within(1, 4), within(1, 4));
-    skinMesh = test::ball(4, [&](const Vector3& p) -> Vector3 {
-      const double r = 1.0 + 0.08 * std::sin(3.0 * p.dot(lumps));
-      return r * p.cwiseProduct(Vector3(1.6, 1.0, 1.2));
-    });
-    const mesh::SurfaceQuery skin(skinMesh);
-    const int wanted = 4 + static_cast<int>(seed % 5);
-    for (int trial = 0; trial < 400 && static_cast<int>(bones.size()) < wanted; ++trial) {
-      const Vector3 centre(within(-1.3, 1.3), within(-0.8, 0.8), within(-1, 1));
-      const Vector3 axes(within(0.08, 0.35), within(0.08, 0.2), within(0.08, 0.35));
-      const auto mesh =
-          test::ball(3, [&](const Vector3& p) -> Vector3 { return centre + p.cwiseProduct(axes); });
-      double room = 1.0;
-      for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
-        const Vector3 p = mesh.V.row(v);
-        room = std::min(room, skin.inside(p) ? skin.distance(p) : 0.0);
-        for (const BoneSurface& other : bones)
-          room = std::min(room, other.surface->signedDistance(p));
-      }
-      if (room < 0.08) continue;
-      bones.push_back(
-          boneSurface("bone" + std::string(1, 'a' + static_cast<char>(bones.size())), mesh));
-    }
-    // Muscles from any place on one bone to any place on another
-    for (int m = 0; m < 8; ++m) {
-      MuscleSites muscle{"m" + std::to_string(m), {}};
-      const std::size_t first = random() % bones.size();
-      const std::size_t second = (first + 1 + random() % (bones.size() - 1)) % bones.size();
-      for (const std::size_t b : {first, second}) {
-        const Vector3 off = Vector3(within(-1, 1), within(-1, 1), within(-1, 1)).normalized();
-        const Vector3 at = bones[b].surface->closest(bones[b].box.centre() + 0.5 * off).point;
-        muscle.sites.push_back(
-            {.muscle = muscle.muscle, .bone = bones[b].name, .at = at, .patchFile = {}});
-      }
-      table.push_back(std::move(muscle));
-    }
-  }
-};
-
-}  // namespace
-
 TEST_CASE("first curves keep a sixth of their clearance from skin and bones, ends aside") {
   for (std::uint32_t seed = 1; seed <= 25; ++seed) {
-    const Body body(seed);
+    const test::Body body(seed);
     const mesh::SurfaceQuery skin(body.skinMesh);
     const mesh::Box box = mesh::boundingBox(body.skinMesh);
     const Surroundings around{skin, body.bones, box.diagonal(), box.centre(), std::nullopt};
@@ -108,7 +55,7 @@ TEST_CASE("first curves keep a sixth of their clearance from skin and bones, end
 }
 
 TEST_CASE("a table from which no muscle can be drawn gives none, and says why") {
-  const Body body(7);
+  const test::Body body(7);
   const mesh::SurfaceQuery skin(body.skinMesh);
   const mesh::Box box = mesh::boundingBox(body.skinMesh);
   const Surroundings around{skin, body.bones, box.diagonal(), box.centre(), std::nullopt};
@@ -124,7 +71,7 @@ TEST_CASE("a table from which no muscle can be drawn gives none, and says why") 
 }
 
 TEST_CASE("first curves are the same for any number of threads, and turn with nothing") {
-  const Body body(7);
+  const test::Body body(7);
   const mesh::SurfaceQuery skin(body.skinMesh);
   const mesh::Box box = mesh::boundingBox(body.skinMesh);
   const Surroundings around{skin, body.bones, box.diagonal(), box.centre(), std::nullopt};

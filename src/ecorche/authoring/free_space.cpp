@@ -35,7 +35,8 @@ void FreeSpace::eachBone(const Vector3& x, double reach, int own, const Act& act
 }
 
 double FreeSpace::room(const Vector3& x, double reach, int own) const {
-  double least = std::min(reach, wall(skin_, x, !skin_.inside(x)).distance);
+  double least = reach;
+  if (hasSkin()) least = std::min(least, wall(*skin_, x, !skin_->inside(x)).distance);
   eachBone(x, reach, own, [&](const Wall& bone) { least = std::min(least, bone.distance); });
   return least;
 }
@@ -43,7 +44,7 @@ double FreeSpace::room(const Vector3& x, double reach, int own) const {
 FreeSpace::Push FreeSpace::push(const Vector3& x, double clearance, double reach) const {
   // Skin and bones each push by themselves, so that between them x ends in the middle; bones side
   // by side push once, or they would push out of the skin where there is little room
-  const Wall skin = wall(skin_, x, !skin_.inside(x));
+  const Wall skin = hasSkin() ? wall(*skin_, x, !skin_->inside(x)) : Wall{reach};
   Push out{std::max(0.0, clearance - skin.distance) * skin.away, std::min(reach, skin.distance)};
   Vector3 fromBones = Vector3::Zero();
   eachBone(x, reach, -1, [&](const Wall& bone) {

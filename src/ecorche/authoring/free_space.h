@@ -17,6 +17,9 @@ class FreeSpace {
   /// @param bones  those without a solid count with their surface alone: near it is near on both
   /// sides
   FreeSpace(const mesh::SurfaceQuery& skin, const std::vector<BoneSurface>& bones)
+      : FreeSpace(&skin, bones) {}
+  /// @param skin  closed; null where there is none: bones are all that is in the way
+  FreeSpace(const mesh::SurfaceQuery* skin, const std::vector<BoneSurface>& bones)
       : skin_(skin), bones_(bones) {}
 
   /// Distance to the nearest wall, negative within bone and outside the skin [m].
@@ -33,9 +36,10 @@ class FreeSpace {
   [[nodiscard]] Push push(const mesh::Vector3& x, double clearance, double reach) const;
 
  private:
-  const mesh::SurfaceQuery& skin_;
+  const mesh::SurfaceQuery* skin_;
   const std::vector<BoneSurface>& bones_;
 
+  [[nodiscard]] bool hasSkin() const { return skin_ && !skin_->empty(); }
   template <class Act>
   void eachBone(const mesh::Vector3& x, double reach, int own, const Act& act) const;
 };

@@ -233,7 +233,6 @@ std::optional<model::CutPlane> cutPlaneFrom(const ParsedSymmetry& asked,
 // Bones with an inside, so that curves can be kept out of them.
 Result<std::vector<BoneSurface>> solidBones(const std::vector<NamedMesh>& bones, double diagonal,
                                             Findings& findings, RunContext& run) {
-  constexpr double kWrapRel = 0.002;  // less than curves keep clear of bones
   const Stage stage(run, "making bones solid");
   std::vector<Result<BoneSurface>> made(bones.size());
   std::vector<Findings> notes(bones.size());
@@ -241,7 +240,7 @@ Result<std::vector<BoneSurface>> solidBones(const std::vector<NamedMesh>& bones,
       std::ssize(bones),
       [&](std::int64_t k) {
         const auto i = static_cast<std::size_t>(k);
-        made[i] = solidBone(bones[i].bone.name, bones[i].mesh, kWrapRel * diagonal, notes[i], run);
+        made[i] = solidBone(bones[i].bone.name, bones[i].mesh, kSolidRel * diagonal, notes[i], run);
       },
       1);
   std::vector<BoneSurface> out;

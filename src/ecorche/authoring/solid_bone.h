@@ -9,6 +9,10 @@
 
 namespace ecorche::authoring {
 
+/// How far a wrap may stray where curves are to keep out of bones, of the body's diagonal: less
+/// than they keep clear of them.
+inline constexpr double kSolidRel = 0.002;
+
 /// A bone with an inside, whatever its mesh is like: closed as it is; else repaired as a domain
 /// repairs it; else, as in a domain, inside is what an alpha wrap encloses. Ends still sit on the
 /// surface as given.

@@ -1,9 +1,10 @@
 #include <ecorche/authoring/curve_relaxation.h>
 #include <ecorche/authoring/stroke.h>
-#include <ecorche/core/contract.h>
 #include <ecorche/mesh/spline_fit.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 namespace ecorche::authoring {
 
@@ -11,8 +12,10 @@ using mesh::Vector3;
 
 namespace {
 
-constexpr int kFewPoints = 4;           // [ABLSJ21 §3.2]
+constexpr int kFewPoints = 4;  // [ABLSJ21 §3.2]
+constexpr std::array<int, 4> kCounts = {kFewPoints, 5, 6, 8};
 constexpr double kKept = 0.5;           // of the clearance that a band asks for
+constexpr double kNarrow = 0.4;         // of the clearance, where there is no room for it
 constexpr std::size_t kWaypoints = 24;  // of a stroke, for the band that is bent along it
 
 // Whether a curve through these points keeps half the clearance that a bent one would.
@@ -39,44 +42,58 @@ std::vector<Vector3> waypoints(const std::vector<Vector3>& path) {
   return out;
 }
 
-}  // namespace
-
-std::vector<Vector3> strokeInDepth(const std::vector<SightRay>& sights, const Vector3& from,
-                                   const Vector3& to) {
-  EC_REQUIRE(sights.size() >= 2);
-  const double first = (from - sights.front().origin).dot(sights.front().direction);
-  const double last = (to - sights.back().origin).dot(sights.back().direction);
-  // Length of the stroke as the eye sees it: between points at one distance
-  const double middle = 0.5 * (first + last);
-  const auto at = [](const SightRay& ray, double depth) -> Vector3 {
-    return ray.origin + depth * ray.direction;
-  };
-  std::vector<double> s{0.0};
-  for (std::size_t i = 1; i < sights.size(); ++i)
-    s.push_back(s.back() + (at(sights[i], middle) - at(sights[i - 1], middle)).norm());
-
-  std::vector<Vector3> out;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    const double share = s.back() > 0.0 ? s[i] / s.back() : 1.0;
-    out.push_back(at(sights[i], first + share * (last - first)));
+// The plane that comes nearest to a band: a band keeps to one.
+void keepTo(const std::vector<model::CutPlane>& planes, Band& band) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const model::CutPlane& plane : planes) {
+    for (const Vector3& p : band.points) {
+      const double height = (p - plane.point).dot(plane.normal);
+      if (height >= nearest) continue;
+      nearest = height;
+      band.planePoint = plane.point;
+      band.planeNormal = plane.normal;
+    }
   }
-  out.front() = from;
-  out.back() = to;
-  return out;
 }
+
+}  // namespace
 
 std::vector<Vector3> fittedStroke(const std::vector<Vector3>& path) {
   return mesh::fitSpline(path, kFewPoints);
 }
 
-std::vector<Vector3> strokeCurve(const std::vector<Vector3>& path, const Surroundings& around) {
-  const FreeSpace space(around.skin, around.bones);
-  Band band = bandThrough(path.front(), waypoints(path), path.back(), around.diagonal);
-  std::vector<Vector3> fitted = fittedStroke(path);
-  if (isClear(fitted, band, space)) return fitted;
+StrokeCurve strokeCurve(const std::vector<Vector3>& path, const StrokeRoom& room) {
+  const FreeSpace space(room.skin, room.bones);
+  Band band = bandThrough(path.front(), waypoints(path), path.back(), room.diagonal);
+  std::optional<std::vector<Vector3>> tight;  // stays in the domain, but with little room
+  for (const int count : kCounts) {
+    const std::vector<Vector3> fitted = mesh::fitSpline(path, count);
+    if (firstLeaving(mesh::Spline(fitted), room)) continue;
+    if (isClear(fitted, band, space)) return {fitted, {}};
+    if (!tight) tight = fitted;
+  }
+
+  keepTo(room.planes, band);
   band.guide = band.points;
   settle(band, space);
-  return controlPoints(band, space);
+  StrokeCurve out{controlPoints(band, space), {}};
+  out.leaving = firstLeaving(mesh::Spline(out.points), room);
+  if (!out.leaving) return out;
+  if (tight) return {std::move(*tight), {}};
+  for (const auto& nearly : {out.points, fittedStroke(path)}) {
+    if (auto cleared = clearedCurve(nearly, room)) return {std::move(*cleared), {}};
+  }
+  // A band that asks for less room, then one that forgets the stroke
+  Band narrow = bandThrough(path.front(), waypoints(path), path.back(), room.diagonal);
+  Band straight = bandThrough(path.front(), {}, path.back(), room.diagonal);
+  narrow.clearance *= kNarrow;
+  for (Band* each : {&narrow, &straight}) {
+    keepTo(room.planes, *each);
+    settle(*each, space);
+    if (auto cleared = clearedCurve(controlPoints(*each, space), room))
+      return {std::move(*cleared), {}};
+  }
+  return out;
 }
 
 }  // namespace ecorche::authoring

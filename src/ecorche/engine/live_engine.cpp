@@ -1,3 +1,4 @@
+#include <ecorche/authoring/solid_bone.h>
 #include <ecorche/core/give_way.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/build.h>
@@ -233,13 +234,17 @@ Result<std::shared_ptr<const LiveMeshes>> LiveEngine::Impl::makeMeshes(
   out->diagonal = mesh::boundingBox(skin).diagonal();
   if (skin.F.rows() > 0 && mesh::isClosed(skin.F))
     out->skin = std::make_shared<const mesh::SurfaceQuery>(skin);
+  // Solid, so that strokes keep out of open bones too; what that took is no news to whoever draws
   std::vector<std::optional<authoring::BoneSurface>> bones(out->meshes.bones.size());
   parallelFor(
       std::ssize(bones),
       [&](std::int64_t i) {
         const mesh::SurfaceMesh& bone = out->meshes.bones[static_cast<std::size_t>(i)];
-        if (bone.F.rows() > 0 && !run.cancelled())
-          bones[static_cast<std::size_t>(i)] = authoring::boneSurface(bone.name, bone);
+        if (bone.F.rows() == 0 || run.cancelled()) return;
+        Findings ignored;
+        auto solid = authoring::solidBone(bone.name, bone, authoring::kSolidRel * out->diagonal,
+                                          ignored, run);
+        if (solid) bones[static_cast<std::size_t>(i)] = std::move(*solid);
       },
       1);
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while reading meshes");

@@ -12,11 +12,11 @@ std::optional<CurveTip> ClickTool::tipAt(const Eigen::Vector2d& pixel) const {
   return CurveTip{{model::Support::On::Bone, bone->bone}, bone->at};
 }
 
-std::vector<Vector3> ClickTool::pathTo(const Eigen::Vector2d& pixel, const Vector3& to) const {
-  std::vector<authoring::SightRay> sights;
-  for (const auto& p : pixels_) sights.push_back(view_.camera.sight(p));
-  sights.push_back(view_.camera.sight(pixel));
-  return authoring::strokeInDepth(sights, from_->at, to);
+std::vector<authoring::SightRay> ClickTool::sightsTo(const Eigen::Vector2d& pixel) const {
+  std::vector<authoring::SightRay> out;
+  for (const auto& p : pixels_) out.push_back(view_.camera.sight(p));
+  out.push_back(view_.camera.sight(pixel));
+  return out;
 }
 
 void ClickTool::showPath(const Touch& touch, const std::optional<CurveTip>& tip) {
@@ -24,8 +24,8 @@ void ClickTool::showPath(const Touch& touch, const std::optional<CurveTip>& tip)
   Overlay overlay;
   if (from_) {
     overlay.marks.push_back(from_->at);
-    overlay.stroke =
-        pathTo(touch.pixel, tip ? tip->at : view_.camera.placeLike(from_->at, touch.pixel));
+    overlay.stroke = shownPath(sightsTo(touch.pixel), from_->at,
+                               tip ? tip->at : view_.camera.placeLike(from_->at, touch.pixel));
   }
   if (tip) {
     overlay.marks.push_back(tip->at);
@@ -46,11 +46,10 @@ bool ClickTool::press(const Touch& touch) {
   } else if (tip && !touch.modifiers.testFlag(Qt::ShiftModifier) &&
              (touch.pixel - pixels_.back()).norm() > 2.0) {
     const DrawnMuscle drawn =
-        drawnMuscle(session(), *from_, *tip, pathTo(touch.pixel, tip->at), {}, std::nullopt);
+        drawnMuscle(session(), *from_, *tip, sightsTo(touch.pixel), {}, std::nullopt);
     from_.reset();
     pixels_.clear();
-    if (session().perform(drawn.commands, tr("Draw %1").arg(QString::fromStdString(drawn.name))))
-      session().select({drawn.name, -1, -1, {}});
+    perform(session(), drawn, tr("Draw %1").arg(QString::fromStdString(drawn.name)));
   } else {
     pixels_.push_back(touch.pixel);
   }

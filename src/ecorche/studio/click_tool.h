@@ -24,8 +24,7 @@ class ClickTool : public Tool {
   QString over_;
 
   [[nodiscard]] std::optional<CurveTip> tipAt(const Eigen::Vector2d& pixel) const;
-  [[nodiscard]] std::vector<mesh::Vector3> pathTo(const Eigen::Vector2d& pixel,
-                                                  const mesh::Vector3& to) const;
+  [[nodiscard]] std::vector<authoring::SightRay> sightsTo(const Eigen::Vector2d& pixel) const;
   void showPath(const Touch& touch, const std::optional<CurveTip>& tip);
 };
 

@@ -81,7 +81,7 @@ void DrawTool::drag(const Touch& touch) {
   // Until it is over bone again the stroke is shown as far away as where it began
   const Vector3 to = tip ? tip->at : view_.camera.placeLike(from_->at, touch.pixel);
   Overlay overlay;
-  overlay.stroke = pathTo(to);
+  overlay.stroke = shownPath(sights(), from_->at, to);
   overlay.marks.push_back(from_->at);
   if (tip) {
     overlay.marks.push_back(tip->at);
@@ -91,11 +91,10 @@ void DrawTool::drag(const Touch& touch) {
   show(overlay);
 }
 
-std::vector<Vector3> DrawTool::pathTo(const Vector3& to) const {
-  std::vector<authoring::SightRay> sights;
-  for (const Sample& s : samples_) sights.push_back(view_.camera.sight(s.pixel));
-  if (sights.size() < 2) return {from_->at, to};
-  return authoring::strokeInDepth(sights, from_->at, to);
+std::vector<authoring::SightRay> DrawTool::sights() const {
+  std::vector<authoring::SightRay> out;
+  for (const Sample& s : samples_) out.push_back(view_.camera.sight(s.pixel));
+  return out;
 }
 
 void DrawTool::release(const Touch& touch) {
@@ -129,11 +128,9 @@ void DrawTool::draw(const CurveTip& to) {
   if (const model::Tissue* selected = session().selectedTissue();
       addHead_ && selected && selected->hasCurves())
     head = selected->name;
-  const DrawnMuscle drawn = drawnMuscle(session(), *from_, to, pathTo(to.at), pressures, head);
+  const DrawnMuscle drawn = drawnMuscle(session(), *from_, to, sights(), pressures, head);
   const QString name = QString::fromStdString(drawn.name);
-  if (session().perform(drawn.commands,
-                        head ? tr("Draw a head of %1").arg(name) : tr("Draw %1").arg(name)))
-    session().select({drawn.name, -1, -1, {}});
+  perform(session(), drawn, head ? tr("Draw a head of %1").arg(name) : tr("Draw %1").arg(name));
 }
 
 bool DrawTool::cancel() {

@@ -6,7 +6,8 @@
 namespace ecorche::studio {
 
 /// A muscle by a stroke from bone to bone: the ends lie where the stroke begins and ends over bone,
-/// what is between gets its depth from them [ABLSJ21 §3.2] and keeps clear of bones and skin.
+/// what is between gets its depth from them and from the flesh along the lines of sight
+/// (authoring/stroke_depth.h) and keeps clear of bones and skin.
 class DrawTool : public Tool {
   Q_OBJECT
 
@@ -41,7 +42,7 @@ class DrawTool : public Tool {
   QString over_;  // what the hand is over that a muscle may sit on
 
   [[nodiscard]] std::optional<CurveTip> tipAt(const Eigen::Vector2d& pixel) const;
-  [[nodiscard]] std::vector<mesh::Vector3> pathTo(const mesh::Vector3& to) const;
+  [[nodiscard]] std::vector<authoring::SightRay> sights() const;
   void draw(const CurveTip& to);
 };
 

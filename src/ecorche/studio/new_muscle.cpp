@@ -1,6 +1,7 @@
 #include <ecorche/studio/new_muscle.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace ecorche::studio {
 
@@ -11,12 +12,17 @@ namespace {
 constexpr double kLightest = 0.4;  // tissue value of a pen that hardly touches
 constexpr double kHeaviest = 1.8;  // and of one that is pressed down
 
-// Pressure where a control point lies along the path, as a tissue value
-double valueAt(const Vector3& p, const std::vector<Vector3>& path,
+// Pressure where a control point lies along the stroke, as a tissue value
+double valueAt(const Vector3& p, const std::vector<authoring::SightRay>& sights,
                const std::vector<double>& pressures) {
   std::size_t nearest = 0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if ((path[i] - p).squaredNorm() < (path[nearest] - p).squaredNorm()) nearest = i;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const Vector3 off = p - sights[i].origin;
+    const double distance = (off - off.dot(sights[i].direction) * sights[i].direction).norm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = i;
   }
   return kLightest + (kHeaviest - kLightest) * std::clamp(pressures[nearest], 0.0, 1.0);
 }
@@ -31,29 +37,57 @@ std::string freshName(const model::Project& project, const std::string& wanted) 
   }
 }
 
+std::vector<Vector3> shownPath(const std::vector<authoring::SightRay>& sights, const Vector3& from,
+                               const Vector3& to) {
+  if (sights.size() < 2) return {from, to};
+  return authoring::strokeInDepth(sights, from, to);
+}
+
 DrawnMuscle drawnMuscle(const Session& session, const CurveTip& from, const CurveTip& to,
-                        const std::vector<Vector3>& path, const std::vector<double>& pressures,
+                        const std::vector<authoring::SightRay>& sights,
+                        const std::vector<double>& pressures,
                         const std::optional<std::string>& tissue) {
-  std::vector<Vector3> points;
+  const std::vector<authoring::BoneSurface> none;
+  const double chord = (to.at - from.at).norm();  // all there is to go by where there is no skin
   const auto& meshes = session.meshes();
-  if (meshes && meshes->skin) {
-    const authoring::Surroundings around{
-        *meshes->skin, meshes->bones, meshes->diagonal, {}, {}, false, {}};
-    points = authoring::strokeCurve(path, around);
-  } else {
-    points = authoring::fittedStroke(path);
-  }
+  const authoring::StrokeRoom room{meshes ? meshes->skin.get() : nullptr,
+                                   meshes ? meshes->bones : none, session.project().cutPlanes,
+                                   std::max(meshes ? meshes->diagonal : 0.0, chord)};
+  const authoring::StrokeCurve drawn =
+      authoring::strokeCurve(authoring::strokeInFlesh(sights, from.at, to.at, room), room);
   model::Curve curve;
-  for (const Vector3& p : points)
-    curve.points.push_back({p, pressures.empty() ? 1.0 : valueAt(p, path, pressures)});
+  for (const Vector3& p : drawn.points)
+    curve.points.push_back({p, pressures.empty() ? 1.0 : valueAt(p, sights, pressures)});
   curve.start = from.support;
   curve.end = to.support;
 
   DrawnMuscle out;
   out.name = tissue ? *tissue : freshName(session.project(), "muscle");
+  out.leaving = drawn.leaving;
   if (!tissue) out.commands.push_back(model::AddMuscle{out.name});
   out.commands.push_back(model::AddCurve{out.name, std::move(curve)});
   return out;
+}
+
+bool perform(Session& session, const DrawnMuscle& drawn, const QString& label) {
+  if (!session.perform(drawn.commands, label)) return false;
+  session.select({drawn.name, -1, -1, {}});
+  if (!drawn.leaving) return true;
+  const QString name = QString::fromStdString(drawn.name);
+  const QString what = QString::fromStdString(drawn.leaving->name);
+  using Through = authoring::Leaving::Through;
+  const QString text =
+      drawn.leaving->what == Through::Skin
+          ? QObject::tr(
+                "%1 leaves the skin: no way inside was found. Move its points (V), or draw "
+                "it from another side")
+                .arg(name)
+          : QObject::tr(
+                "%1 goes through %2: no way around was found. Move its points (V), or draw "
+                "it from another side")
+                .arg(name, what);
+  session.tell(Severity::Warning, text, drawn.leaving->at);
+  return true;
 }
 
 }  // namespace ecorche::studio
