@@ -21,7 +21,8 @@ QIcon swatch(const QColor& colour) {
   pixmap.fill(Qt::transparent);
   QPainter p(&pixmap);
   p.setRenderHint(QPainter::Antialiasing);
-  p.setPen(Qt::NoPen);
+  // To be seen on a selected row, too, whatever its colour
+  p.setPen(QPen(QColor(255, 255, 255, 90), 1.0));
   p.setBrush(colour);
   p.drawRoundedRect(QRectF(1.5, 1.5, 13, 13), 3, 3);
   return QIcon(pixmap);
