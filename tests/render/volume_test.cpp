@@ -200,6 +200,30 @@ TEST_CASE("moving the clip plane or hiding a muscle gives the picture that a new
   check({});
 }
 
+TEST_CASE(
+    "where no muscle owns anything nothing is seen, before muscles come and after they went") {
+  Card card = Card::make();
+  render::VolumeItem item = manyMuscles();
+  const auto muscles = item.fields;
+  const render::Camera camera = test::cameraOn(item, 30.0, 20.0);
+  const auto show = [&](std::shared_ptr<const tissue::FieldMatrix> fields) {
+    item.fields = std::move(fields);
+    item.fieldsRevision += 2;  // not an edit of what is shown: everything is sent anew
+    return card.draw(item, {}, camera, 64, 64);
+  };
+  auto fatAlone = std::make_shared<tissue::FieldMatrix>(*muscles);
+  fatAlone->rightCols(fatAlone->cols() - 1).setZero();
+  const auto checkEmpty = [&] {
+    CHECK(std::ranges::all_of(show(fatAlone).tissue, [](TissueId id) { return id == kNoTissue; }));
+  };
+  checkEmpty();
+  checkEmpty();
+  const auto seen = show(muscles);
+  CHECK(render::agreement(seen, render::castImage(camera, 64, 64, item)).sameTissue >= 0.995);
+  checkEmpty();
+  CHECK(render::agreement(show(muscles), seen).sameTissue == 1.0);
+}
+
 TEST_CASE("an exploded muscle is drawn whole where it was moved to") {
   Card card = Card::make();
   render::VolumeItem item = manyMuscles();

@@ -74,7 +74,7 @@ Result<void> GpuVolume::uploadRecords(GpuVolumeLayer& layer) {
   glBindBuffer(GL_TEXTURE_BUFFER, layer.texels.id());
   for (const auto& [begin, end] : changes) {
     glBufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(begin * kTexelBytes),
-                    static_cast<GLsizeiptr>((end - begin) * kTexelBytes), &texels[begin]);
+                    static_cast<GLsizeiptr>((end - begin) * kTexelBytes), texels.data() + begin);
     contentBytes_ += (end - begin) * kTexelBytes;
   }
   if (!changes.empty()) surfaceFresh_ = false;
