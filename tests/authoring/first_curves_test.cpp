@@ -12,6 +12,7 @@
 #include <random>
 
 #include "authoring/shapes.h"
+#include "support/cases.h"
 #include "support/paths.h"
 #include "support/shapes.h"
 
@@ -75,7 +76,8 @@ struct Body {
 }  // namespace
 
 TEST_CASE("first curves keep a sixth of their clearance from skin and bones, ends aside") {
-  for (std::uint32_t seed = 1; seed <= 25; ++seed) {
+  for (const std::uint64_t k : test::casesHere(25)) {
+    const auto seed = static_cast<std::uint32_t>(k + 1);
     const Body body(seed);
     const mesh::SurfaceQuery skin(body.skinMesh);
     const mesh::Box box = mesh::boundingBox(body.skinMesh);
