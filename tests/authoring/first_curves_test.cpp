@@ -13,6 +13,7 @@
 
 #include "authoring/body.h"
 #include "authoring/shapes.h"
+#include "support/cases.h"
 #include "support/paths.h"
 #include "support/shapes.h"
 
@@ -22,7 +23,8 @@ using mesh::Vector3;
 using model::Support;
 
 TEST_CASE("first curves keep a sixth of their clearance from skin and bones, ends aside") {
-  for (std::uint32_t seed = 1; seed <= 25; ++seed) {
+  for (const std::uint64_t k : test::casesHere(25)) {
+    const auto seed = static_cast<std::uint32_t>(k + 1);
     const test::Body body(seed);
     const mesh::SurfaceQuery skin(body.skinMesh);
     const mesh::Box box = mesh::boundingBox(body.skinMesh);

@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 
+#include "support/cases.h"
 #include "support/environment.h"
 #include "support/output_files.h"
 #include "support/patience.h"
@@ -138,10 +139,10 @@ class Bench {
 /// Random moments, over no output and over an earlier one together.
 int kills() {
   const char* wanted = std::getenv("ECORCHE_KILLS");
-  return wanted != nullptr ? std::atoi(wanted) : 24;
+  return wanted != nullptr ? std::atoi(wanted) : test::kSanitized ? 6 : 24;
 }
 
-constexpr int kMoments = 12;
+constexpr int kMoments = test::kSanitized ? 4 : 12;
 constexpr const char* kStaged[] = {".",     "anatomy.vtu", "anatomy.mesh",
                                    "bones", "model.json",  "report.json"};
 

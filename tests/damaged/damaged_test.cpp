@@ -15,6 +15,7 @@
 
 #include "damaged/rows.h"
 #include "domain/soundness.h"
+#include "support/cases.h"
 #include "support/patience.h"
 
 using namespace ecorche;
@@ -213,10 +214,13 @@ void runRow(const Row& row, double timeLimit = kTimeLimit) {
 }
 
 void runAll(const std::vector<Row>& rows) {
-  const char* only = std::getenv("ECORCHE_DAMAGED_ROW");
-  for (const Row& row : rows) {
-    if (only == nullptr || row.name.find(only) != std::string::npos) runRow(row);
+  if (const char* only = std::getenv("ECORCHE_DAMAGED_ROW")) {
+    for (const Row& row : rows) {
+      if (row.name.find(only) != std::string::npos) runRow(row);
+    }
+    return;
   }
+  for (const std::size_t row : test::casesHere(rows.size())) runRow(rows[row]);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "anatomy_faults.h"
+#include "support/cases.h"
 #include "support/generated_anatomy.h"
 #include "support/generated_domain.h"
 
@@ -42,7 +43,7 @@ TEST_CASE("generated anatomies are cut into conforming, positive tets that fill 
   std::int64_t tets = 0;
   std::int64_t repaired = 0;
   std::int64_t rounded = 0;
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+  for (const std::uint64_t seed : test::casesHere(kSeeds)) {
     const test::GeneratedAnatomy c = test::generatedAnatomy(seed);
     INFO(c.name);
     RunContext run;
