@@ -31,9 +31,10 @@ function(ecorche_add_module name)
   set(target ecorche_${name})
   add_library(${target} STATIC ${ARG_SOURCES} ${ARG_UNSANITIZED})
   if((ECORCHE_SANITIZE OR ECORCHE_FUZZ) AND ARG_UNSANITIZED)
-    # Eigen aligns by itself where g++ says that AddressSanitizer is at work; what one file takes others free
+    # Eigen aligns by itself where g++ says that AddressSanitizer is at work; what one file takes others free.
+    # -O2 because most of a domain's time is spent here, and nothing is left that -O1 would show better
     set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES COMPILE_OPTIONS
-      "-fno-sanitize=all;-g1$<$<BOOL:${ECORCHE_SANITIZE}>:;-DEIGEN_MALLOC_ALREADY_ALIGNED=0>")
+      "-fno-sanitize=all;-g1$<$<BOOL:${ECORCHE_SANITIZE}>:;-O2;-DEIGEN_MALLOC_ALREADY_ALIGNED=0>")
   endif()
   add_library(ecorche::${name} ALIAS ${target})
   target_link_libraries(${target} PUBLIC ecorche_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
