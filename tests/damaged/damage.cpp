@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "support/shapes.h"
@@ -308,6 +309,34 @@ SurfaceMesh withCrumbs(const SurfaceMesh& m, int count, double size, const Vecto
     all.push_back(std::move(crumb));
   }
   return together(all, m.name.c_str());
+}
+
+SurfaceMesh withSheets(const SurfaceMesh& m, int count, double length, const Vector3& centre,
+                       double spread, std::uint64_t seed) {
+  constexpr int kSteps = 4;
+  Dice dice(seed);
+  std::vector<SurfaceMesh> all{m};
+  for (int k = 0; k < count; ++k) {
+    const Vector3 at = centre + dice.inBox(spread);
+    const Vector3 along = length * dice.inBox(1.0).normalized();
+    const Vector3 across = 0.25 * length * along.cross(dice.inBox(1.0)).normalized();
+    const Vector3 bend = 0.2 * along.cross(across) / length;
+    SurfaceMesh sheet;
+    sheet.name = "card" + std::to_string(k);
+    sheet.V.resize(2 * (kSteps + 1), 3);
+    sheet.F.resize(2 * kSteps, 3);
+    for (int i = 0; i <= kSteps; ++i) {
+      const double t = static_cast<double>(i) / kSteps;
+      const Vector3 p = at + t * along + t * (1 - t) * bend;
+      sheet.V.row(2 * i) = p.transpose();
+      sheet.V.row(2 * i + 1) = (p + across).transpose();
+      if (i == kSteps) break;
+      sheet.F.row(2 * i) << 2 * i, 2 * i + 2, 2 * i + 3;
+      sheet.F.row(2 * i + 1) << 2 * i, 2 * i + 3, 2 * i + 1;
+    }
+    all.push_back(std::move(sheet));
+  }
+  return mesh::joined(all, m.name);
 }
 
 double volumeOf(const SurfaceMesh& m) { return mesh::signedVolume(m.V, m.F); }

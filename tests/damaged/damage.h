@@ -65,6 +65,10 @@ using Place = std::function<bool(const Vector3&)>;
 [[nodiscard]] SurfaceMesh withCrumbs(const SurfaceMesh& m, int count, double size,
                                      const Vector3& centre, double spread, std::uint64_t seed);
 
+/// This many narrow open sheets of this length, each a part, standing about a centre.
+[[nodiscard]] SurfaceMesh withSheets(const SurfaceMesh& m, int count, double length,
+                                     const Vector3& centre, double spread, std::uint64_t seed);
+
 [[nodiscard]] double volumeOf(const SurfaceMesh& m);
 
 }  // namespace ecorche::test

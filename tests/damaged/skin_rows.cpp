@@ -105,6 +105,24 @@ std::vector<Row> skinRows() {
              return withSkin(withCrumbs(goodSkin(), 30, 1e-4, {0.03, 0, 0}, 0.005, 8));
            },
            {"speck"});
+  rows.add("three hundred crumbs of 5 mm, around it and inside, as of a scan",
+           [] {
+             const SurfaceMesh around = withCrumbs(goodSkin(), 200, 5e-3, {0.15, 0, 0}, 0.09, 15);
+             return withSkin(withCrumbs(around, 100, 5e-3, {0.034, 0, 0}, 0.008, 16));
+           },
+           {"speck"});
+  rows.add("twenty hair cards",
+           [] {
+             return withSkin(withSheets(goodSkin(), 20, 0.03, {0, 0, 0.15}, 0.02, 17));
+           },
+           {"sheet"});
+  rows.refuse(
+      "hair cards, and open at the scan's end",
+      [] {
+        return withSkin(
+            withSheets(without(goodSkin(), above(0.12)), 20, 0.03, {0.05, 0, 0}, 0.02, 17));
+      },
+      ErrorCode::SkinNotClosed);
   rows.add("unused vertices", [] { return withSkin(withUnusedVertex(goodSkin(), 3.0)); },
            {"unused-vertices"});
   rows.add("an unused vertex that is no number",
@@ -230,6 +248,16 @@ std::vector<Row> skinRows() {
       },
       {"hole"}, 1e-5);
   rows.add(
+      "hair cards, and open at the scan's end, to be filled",
+      [=] {
+        Made out =
+            asked(withSheets(without(goodSkin(), above(0.12)), 20, 0.03, {0.05, 0, 0}, 0.02, 17),
+                  goodSkin(), Mending::FillHoles);
+        out.truth.cutPlanes = {{"end", {0, 0, 0.12}, {0, 0, -1}}};
+        return out;
+      },
+      {"hole", "sheet"}, 1e-5);
+  rows.add(
       "open at the scan's end, to be wrapped",
       [=] {
         Made out = asked(without(goodSkin(), above(0.12)), goodSkin(), Mending::Wrap);
@@ -255,7 +283,7 @@ std::vector<Row> skinRows() {
       [=] {
         return asked(riddled(noisy(goodSkin(), 1e-3, 12), 0.05, 13), goodSkin(), Mending::Wrap);
       },
-      {"hole", "non-manifold", "wrap"}, 3e-5);
+      {"hole", "non-manifold", "sheet", "wrap"}, 3e-5);
   rows.add(
       "a skin with a wall of its own thickness, to be wrapped",
       [=] {

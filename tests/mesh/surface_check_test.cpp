@@ -263,8 +263,11 @@ TEST_CASE("a triangle on its own is no hole, and thousands of borders are no lis
   const SurfaceCheck stray = checkSurface(m);
   REQUIRE(stray.holes.size() == 1);
   CHECK(stray.components[std::size_t(stray.holes[0].piece)].faces == 1);
-  CHECK(std::ranges::count(stray.findings, "lone-face", &Finding::kind) == 1);
+  CHECK(std::ranges::count(stray.findings, "sheet", &Finding::kind) == 1);
   CHECK(std::ranges::count(stray.findings, "hole", &Finding::kind) == 0);
+  // Where there is nothing that it could stand beside
+  const SurfaceCheck alone = checkSurface(compacted({.V = m.V, .F = m.F.bottomRows(1)}));
+  CHECK(std::ranges::count(alone.findings, "lone-face", &Finding::kind) == 1);
 
   // Every second pair of faces apart from the rest
   SurfaceMesh open = test::torus(3, 1, 60, 40);

@@ -136,6 +136,9 @@ Error bothRefused(const FillTask& task, const Error& tetgen, const Error& mesh3)
   Error error{
       tooSlow ? ErrorCode::WorkerTimedOut : ErrorCode::MeshingFailed, {}, {.object = "domain"}};
   std::string where;
+  std::string wayOut =
+      "Another number of tets (--tets) or a larger surfaceTolerance may do; `ecorche check` shows "
+      "what is wrong with the meshes";
   if (tooSlow) {
     error.message = fmt::format(
         "the room between skin and bones was not filled with tets in time: TetGen: {}; CGAL "
@@ -156,12 +159,21 @@ Error bothRefused(const FillTask& task, const Error& tetgen, const Error& mesh3)
                         described(task.carved.tag[static_cast<std::size_t>(f)], task),
                         described(task.carved.tag[static_cast<std::size_t>(g)], task), at.x(),
                         at.y(), at.z());
+    const auto isSkin = [&](std::int32_t face) {
+      return unpacked(task.carved.tag[static_cast<std::size_t>(face)]).kind ==
+             BoundaryTag::Kind::Skin;
+    };
+    if (isSkin(f) && isSkin(g)) {
+      error.place.object = "skin";
+      wayOut =
+          "Ask for \"repair\": \"wrap\" at the skin (a skin laid around it), or mend it "
+          "there where it was made";
+    }
   }
   error.message = fmt::format(
       "the room between skin and bones cannot be filled with tets: TetGen: {}; CGAL Mesh_3: {}{}. "
-      "Another number of tets (--tets) or a larger surfaceTolerance may do; `ecorche check` shows "
-      "what is wrong with the meshes",
-      tetgen.message, mesh3.message, where);
+      "{}",
+      tetgen.message, mesh3.message, where, wayOut);
   return error;
 }
 

@@ -46,11 +46,24 @@ std::string remedyOf(const Finding& finding, MeshRole role, bool closes) {
   if (finding.kind == "non-finite-vertex")
     return "build refuses the mesh; export it again from where it was made";
   if (finding.kind == "hole") {
+    if (finding.severity == Severity::Repaired) return "build fills it";
+    if (role == MeshRole::Unknown) {
+      return closes ? "as a bone, build fills it; as a skin, if it is large, ask for \"repair\": "
+                      "\"fill-holes\" (a flat cap) or \"wrap\""
+                    : "as a bone, build wraps it; as a skin, ask for \"repair\": \"fill-holes\" or "
+                      "\"wrap\"";
+    }
     if (closes) return "build fills it";
     if (role == MeshRole::Skin) {
       return "build refuses the skin: close it, or ask for \"repair\": \"fill-holes\" or \"wrap\"";
     }
     return "build wraps the mesh; \"repair\": \"fill-holes\" keeps its shape and caps the hole";
+  }
+  if (finding.kind == "sheet") {
+    if (role == MeshRole::Skin) return "build leaves them out";
+    const std::string wrapped = "build wraps the mesh with them; delete them where it was made";
+    return role == MeshRole::Unknown ? "as a skin, build leaves them out; as a bone, " + wrapped
+                                     : wrapped;
   }
   if (finding.kind == "lone-face" && role == MeshRole::Skin) {
     return "build refuses the skin: delete the triangle where the mesh was made, or ask for "

@@ -1,5 +1,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/exchange/check_parts.h>
+#include <ecorche/mesh/face_repair.h>
+#include <ecorche/mesh/open_sheets.h>
 #include <ecorche/mesh/read_mesh.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
@@ -33,7 +35,7 @@ struct Original {
   mesh::Box box;
   bool closed = false;
   std::vector<std::uint8_t> border;  // by face, of an open one: bit k where its side k is a border
-  std::vector<std::uint8_t> hollow;  // by face, of a closed one: wall of a hollow within it
+  std::vector<std::uint8_t> hollow;  // by face: wall of a hollow in it, or a stray beside it
 
   // Over a hole the domain has a cap, and what is nearest to it is the border.
   [[nodiscard]] bool isOverHole(const mesh::SurfaceQuery::Closest& nearest) const {
@@ -57,6 +59,22 @@ std::vector<std::uint8_t> hollowFaces(const mesh::SurfaceMesh& mesh) {
   std::vector<std::uint8_t> out(pieces.label.size(), 0);
   for (std::size_t f = 0; f < out.size(); ++f)
     out[f] = check[static_cast<std::size_t>(pieces.label[f])].inward && check.size() > 1;
+  return out;
+}
+
+// Hair cards and crumbs beside a skin: the domain leaves them out, and its findings say so.
+std::vector<std::uint8_t> strayFaces(const mesh::SurfaceMesh& mesh) {
+  const mesh::SurfaceEdges edges = mesh::surfaceEdges(mesh.F);
+  const mesh::FaceComponents pieces = mesh::components(mesh.F, edges);
+  const std::vector<char> sheet = mesh::openSheets(mesh.V, mesh.F, edges, pieces);
+  const auto check = mesh::checkSurface(mesh).components;
+  const double crumb = mesh::kCrumbShare * std::abs(mesh::signedVolume(mesh.V, mesh.F));
+  std::vector<std::uint8_t> out(pieces.label.size(), 0);
+  for (std::size_t f = 0; f < out.size(); ++f) {
+    const auto piece = static_cast<std::size_t>(pieces.label[f]);
+    out[f] = sheet[piece] != 0 ||
+             (check[piece].closed && check.size() > 1 && std::abs(check[piece].volume) < crumb);
+  }
   return out;
 }
 
@@ -120,11 +138,12 @@ class Deviation {
       if (!mesh) return passOn(mesh);
       mesh::SurfaceQuery query(*mesh);
       const mesh::Box box = mesh::boundingBox(*mesh);
-      const mesh::Triangles welded = mesh::weldExact(*mesh).F;
-      const bool closed = mesh::isClosed(welded);
-      auto border = closed ? std::vector<std::uint8_t>() : borderSides(welded);
-      auto hollow = closed && s.kind == "bone" ? hollowFaces({.V = mesh->V, .F = welded})
-                                               : std::vector<std::uint8_t>();
+      const mesh::SurfaceMesh welded = mesh::weldExact(*mesh);  // faces in the same order
+      const bool closed = mesh::isClosed(welded.F);
+      auto border = closed ? std::vector<std::uint8_t>() : borderSides(welded.F);
+      std::vector<std::uint8_t> hollow;
+      if (closed && s.kind == "bone") hollow = hollowFaces(welded);
+      if (s.kind == "skin") hollow = strayFaces(welded);
       originals_.push_back({s.name, s.kind, std::move(*mesh), std::move(query), box, closed,
                             std::move(border), std::move(hollow)});
     }

@@ -1,6 +1,7 @@
 #include <ecorche/mesh/disjoint_sets.h>
 #include <ecorche/mesh/face_repair.h>
 #include <ecorche/mesh/nesting.h>
+#include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_query.h>
 #include <ecorche/mesh/surface_topology.h>
@@ -287,6 +288,48 @@ StepReport dropSpecks(LabelledFaces& faces, double extent) {
   if (report.count == 0) return report;
   std::vector<char> kept(index(faces.F.rows()));
   for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = stays[index(pieces.label[f])];
+  faces.keep(kept);
+  return report;
+}
+
+StepReport dropCrumbs(LabelledFaces& faces) {
+  constexpr double kShort = 0.04;  // of the extent
+  StepReport report;
+  const SurfaceMesh mesh{.V = faces.V, .F = faces.F};
+  const auto check = checkSurface(mesh).components;
+  const double most = kCrumbShare * std::abs(signedVolume(faces.V, faces.F));
+  const double extent = kShort * boundingBox(mesh).diagonal();
+  std::vector<char> goes(check.size(), 0);
+  std::ranges::transform(check, goes.begin(), [&](const SurfaceCheck::Component& c) {
+    return c.closed && std::abs(c.volume) < most;
+  });
+  if (check.size() < 2 || std::ranges::find(goes, 1) == goes.end()) return report;
+  const FaceComponents pieces = components(faces.F);
+  std::vector<char> large(check.size());
+  std::ranges::transform(goes, large.begin(), [](char g) { return g == 0; });
+  for (std::size_t p = 0; p < check.size(); ++p) large[p] = large[p] != 0 && check[p].closed;
+  const auto heldBy = holders(faces.V, faces.F, pieces, large, goes);
+  for (std::size_t p = 0; p < check.size(); ++p) {
+    if (!heldBy[p].empty() && check[p].box.diagonal() > extent) goes[p] = 0;
+  }
+  // What hangs together by touching stays or goes together
+  DisjointSets clusters(check.size());
+  for (const auto& [f, g] : selfIntersections(faces.V, faces.F))
+    clusters.unite(pieces.label[index(f)], pieces.label[index(g)]);
+  std::vector<char> held(check.size(), 0);
+  const auto cluster = [&](std::size_t p) {
+    return index(clusters.root(static_cast<std::int32_t>(p)));
+  };
+  for (std::size_t p = 0; p < check.size(); ++p) {
+    if (goes[p] == 0) held[cluster(p)] = 1;
+  }
+  for (std::size_t p = 0; p < check.size(); ++p) goes[p] = goes[p] != 0 && held[cluster(p)] == 0;
+  for (std::size_t p = 0; p < check.size(); ++p) {
+    if (goes[p] != 0) report.see(check[p].box.centre(), check[p].box.diagonal());
+  }
+  if (report.count == 0) return report;
+  std::vector<char> kept(index(faces.F.rows()));
+  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = goes[index(pieces.label[f])] == 0;
   faces.keep(kept);
   return report;
 }

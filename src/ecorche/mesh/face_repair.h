@@ -54,6 +54,12 @@ StepReport dropDoubled(LabelledFaces& faces);
 /// of the area, go; the largest piece stays.
 StepReport dropSpecks(LabelledFaces& faces, double extent);
 
+/// Closed pieces that touch none but their like, with less than a thousandth of the volume, go:
+/// what a threshold leaves in the air around a scan. Within other pieces they must also be short of
+/// a twenty-fifth of the extent of all: bubbles in the flesh go, an eyeball stays.
+StepReport dropCrumbs(LabelledFaces& faces);
+inline constexpr double kCrumbShare = 1e-3;  ///< of the volume
+
 /// Turns closed pieces outward; what lies inside an inward piece is turned with it. Open pieces go
 /// by the sign of the volume that they would enclose, where that is clear.
 StepReport orientOutward(LabelledFaces& faces);

@@ -46,7 +46,8 @@ class Mender {
         repairSurface(mesh_,
                       hull ? RepairOptions{.mustClose = true}
                            : RepairOptions{.holeRel = std::numeric_limits<double>::infinity(),
-                                           .mustClose = how_ == Mending::FillHoles},
+                                           .mustClose = how_ == Mending::FillHoles,
+                                           .leaveOutSheets = true},
                       run_);
     if (!closed) return closed;
     if (how_ == Mending::FillHoles) return closed;

@@ -13,7 +13,7 @@ enum class Mending {
   None,
   FillHoles,  ///< every hole is closed, however large, over its border
   OuterHull,  ///< only what is seen from outside stays: inner walls, inner coats, hollows go
-  Wrap        ///< holes are filled, then a closed skin is laid around everything
+  Wrap        ///< holes are filled, then a closed skin is laid around everything but open sheets
 };
 
 /// "none", "fill-holes", "outer-hull", "wrap", as project files and commands have it; and back.

@@ -1,4 +1,5 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <ecorche/mesh/open_sheets.h>
 #include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_topology.h>
@@ -8,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numeric>
 
 namespace ecorche::mesh {
@@ -17,6 +19,8 @@ namespace {
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+constexpr std::size_t kToldApart = 8;  // of what there may be thousands of
 
 class Checker {
  public:
@@ -168,10 +172,16 @@ class Checker {
       check_.holes.push_back(hole);
     }
     std::ranges::stable_sort(check_.holes, std::greater{}, &SurfaceCheck::Hole::extent);
+    const std::vector<char> sheet = check_.holes.empty()
+                                        ? std::vector<char>(index(labels_.count), 0)
+                                        : openSheets(mesh_.V, mesh_.F, edges_, labels_);
+    tellSheets(sheet);
+    std::vector<SurfaceCheck::Hole> told;
+    std::ranges::copy_if(check_.holes, std::back_inserter(told),
+                         [&](const auto& hole) { return sheet[index(hole.piece)] == 0; });
     // The largest one by one; a mesh whose faces all stand alone has thousands of others
-    constexpr std::size_t kToldApart = 8;
-    for (std::size_t h = 0; h < std::min(kToldApart, check_.holes.size()); ++h) {
-      const auto& hole = check_.holes[h];
+    for (std::size_t h = 0; h < std::min(kToldApart, told.size()); ++h) {
+      const auto& hole = told[h];
       if (faceCount_[index(hole.piece)] == 1) {
         find(Severity::Warning, "lone-face",
              fmt::format("a triangle hangs together with nothing, {:.3g} m across", hole.extent),
@@ -182,13 +192,40 @@ class Checker {
              hole.place, hole.extent);
       }
     }
-    if (check_.holes.size() > kToldApart) {
-      const auto& next = check_.holes[kToldApart];
+    if (told.size() > kToldApart) {
+      const auto& next = told[kToldApart];
       find(Severity::Warning, "hole",
-           fmt::format("{} more borders, none more than {:.3g} m across",
-                       check_.holes.size() - kToldApart, next.extent),
+           fmt::format("{} more borders, none more than {:.3g} m across", told.size() - kToldApart,
+                       next.extent),
            next.place, next.extent);
     }
+  }
+
+  void tellSheets(const std::vector<char>& sheet) {
+    std::vector<char> partIs(mesh_.parts.size(), 0);
+    std::vector<Box> boxes(sheet.size());
+    for (std::size_t p = 0; p < mesh_.parts.size(); ++p) {
+      const Part& part = mesh_.parts[p];
+      const auto first = labels_.label.begin() + part.firstFace;
+      partIs[p] = std::any_of(first, first + part.faceCount,
+                              [&](std::int32_t piece) { return sheet[index(piece)] != 0; });
+    }
+    for (const auto& hole : check_.holes) {
+      if (sheet[index(hole.piece)] != 0) boxes[index(hole.piece)].add(hole.box);
+    }
+    std::int64_t count = 0;
+    const Box* widest = nullptr;
+    for (const Box& box : boxes) {
+      if (box.empty()) continue;
+      ++count;
+      if (widest == nullptr || box.diagonal() > widest->diagonal()) widest = &box;
+    }
+    if (count == 0) return;
+    const std::string names = partsNamed(mesh_, partIs);
+    find(Severity::Warning, "sheet",
+         fmt::format("{} open sheets that enclose nothing, up to {:.3g} m across{}{}", count,
+                     widest->diagonal(), names.empty() ? "" : ": ", names),
+         widest->centre(), widest->diagonal());
   }
 
   void pieces() {
@@ -240,17 +277,32 @@ class Checker {
       const std::int64_t euler = fanCount[i] - edgeCount[i] + c.faces;
       if (c.closed && manifold[i] != 0 && euler % 2 == 0)
         c.genus = static_cast<int>((2 - euler) / 2);
-      if (c.inward) {
-        find(Severity::Warning, "inward",
-             fmt::format("a closed piece of {} faces and {:.3g} m³ faces inward", c.faces,
-                         -c.volume),
-             c.box.centre(), -c.volume);
-      }
     }
+    tellInward();
     if (list.size() > 1) {
       find(Severity::Note, "components", fmt::format("the surface is in {} pieces", list.size()),
            std::nullopt, double(list.size()));
     }
+  }
+
+  void tellInward() {
+    std::vector<const SurfaceCheck::Component*> inward;
+    for (const auto& c : check_.components) {
+      if (c.inward) inward.push_back(&c);
+    }
+    std::ranges::stable_sort(inward, {}, [](const auto* c) { return c->volume; });
+    for (std::size_t i = 0; i < std::min(kToldApart, inward.size()); ++i) {
+      const auto& c = *inward[i];
+      find(Severity::Warning, "inward",
+           fmt::format("a closed piece of {} faces and {:.3g} m³ faces inward", c.faces, -c.volume),
+           c.box.centre(), -c.volume);
+    }
+    if (inward.size() <= kToldApart) return;
+    const auto& next = *inward[kToldApart];
+    find(Severity::Warning, "inward",
+         fmt::format("{} more closed pieces face inward, none with more than {:.3g} m³",
+                     inward.size() - kToldApart, -next.volume),
+         next.box.centre(), -next.volume);
   }
 
   void crossings() {

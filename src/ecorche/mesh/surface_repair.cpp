@@ -1,6 +1,7 @@
 #include <ecorche/mesh/face_repair.h>
 #include <ecorche/mesh/hole_fill.h>
 #include <ecorche/mesh/inner_walls.h>
+#include <ecorche/mesh/open_sheets.h>
 #include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_repair.h>
 #include <ecorche/mesh/surface_topology.h>
@@ -110,6 +111,7 @@ class Repair {
                   {.object = mesh_.name});
     }
     if (mesh_.empty()) return nothingLeft();
+    crowdedEdges_ = before.nonManifoldEdges;
     if (before.unusedVertices > 0) {
       note(Severity::Note, "unused-vertices",
            fmt::format("{} vertices belonged to no face", before.unusedVertices), std::nullopt,
@@ -117,8 +119,10 @@ class Repair {
     }
     const double diagonal = boundingBox(mesh_).diagonal();
     speckExtent_ = options_.speckRel * diagonal;
+    const double crumb = kCrumbShare * std::abs(signedVolume(mesh_.V, mesh_.F));
     if (before.isSound() && std::ranges::none_of(before.components, [&](const auto& c) {
-          return c.inward || c.box.diagonal() < speckExtent_;
+          return c.inward || c.box.diagonal() < speckExtent_ ||
+                 (options_.mustClose && std::abs(c.volume) < crumb);
         })) {
       return RepairedSurface{.mesh = compacted(mesh_), .findings = std::move(findings_)};
     }
@@ -131,6 +135,10 @@ class Repair {
     if (faces_.F.rows() == 0) return nothingLeft();
     if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
     report("inward", orientOutward(faces_), "turned {} pieces outward, up to {:.3g} m³");
+    if (options_.mustClose) {
+      report("speck", dropCrumbs(faces_),
+             "left out {} small pieces that touch nothing, up to {:.3g} m across");
+    }
 
     RepairedSurface out{.mesh = assembled(faces_, mesh_), .findings = {}};
     if (auto ok = look(out.mesh); !ok) return passOn(ok);
@@ -156,6 +164,7 @@ class Repair {
            "dropped {} small pieces, up to {:.3g} m across");
     if (run_.cancelled()) return fail(ErrorCode::Cancelled, "repair was interrupted");
     if (faces_.F.rows() == 0) return {};
+    if ((options_.mustClose || options_.leaveOutSheets) && before.borderEdges > 0) dropSheets();
     // Faces that shared no vertices before they were welded could not disagree
     const std::int64_t turned = checkSurface({.V = faces_.V, .F = faces_.F}).inconsistentEdges;
     auto done = makeManifold(faces_, options_.holeRel, run_);
@@ -173,6 +182,34 @@ class Repair {
     report("degenerate-faces", done->flat, "took out {} faces without area");
     report("hole", done->filled, "filled {} holes, up to {:.3g} m across");
     return {};
+  }
+
+  // Before holes are filled, which would make two-sided sheets of them
+  void dropSheets() {
+    const FaceComponents pieces = components(faces_.F);
+    const std::vector<char> sheet = openSheets(faces_.V, faces_.F, surfaceEdges(faces_.F), pieces);
+    std::vector<Box> boxes(sheet.size());
+    std::vector<char> stays(faces_.label.size(), 1);
+    std::vector<char> partGoes(mesh_.parts.size(), 0);
+    for (std::size_t f = 0; f < stays.size(); ++f) {
+      const auto piece = static_cast<std::size_t>(pieces.label[f]);
+      if (sheet[piece] == 0) continue;
+      stays[f] = 0;
+      if (!partGoes.empty()) partGoes[static_cast<std::size_t>(faces_.label[f])] = 1;
+      for (const std::int32_t v : faces_.F.row(static_cast<Eigen::Index>(f)))
+        boxes[piece].add(faces_.V.row(v).transpose());
+    }
+    StepReport left;
+    for (const Box& box : boxes) {
+      if (!box.empty()) left.see(box.centre(), box.diagonal());
+    }
+    if (left.count == 0) return;
+    const std::string names = partsNamed(mesh_, partGoes);
+    note(Severity::Repaired, "sheet",
+         fmt::format("left out {} open sheets that enclose nothing, up to {:.3g} m across{}{}",
+                     left.count, left.size, names.empty() ? "" : ": ", names),
+         left.place, left.size);
+    faces_.keep(stays);
   }
 
   // A face gets corners on one side at a time, and corners on one side may leave others to be found
@@ -227,14 +264,15 @@ class Repair {
           "laid around it)",
           faces_.F.rows(), mesh_.name, pieces);
     }
-    if (after.components[static_cast<std::size_t>(hole.piece)].faces == 1) {
+    const auto width = crackWidth(mesh);
+    if (width && *width < options_.weldRel * boundingBox(mesh).diagonal() && crowdedEdges_ > 0) {
       return fmt::format(
-          "\"{}\" has a triangle that hangs together with nothing, {:.3g} m across{}; "
-          "no filling closes it: delete it where the mesh was made, or ask for "
-          "\"repair\": \"wrap\" (a skin laid around everything)",
-          mesh_.name, hole.extent, others);
+          "\"{}\" has {} edges where more than two faces meet, as blocks have that touch along an "
+          "edge; cut apart there it is open along {} edges, {:.3g} m across{}: clean it where it "
+          "was made, or ask for \"repair\": \"wrap\" (a skin laid around it)",
+          mesh_.name, crowdedEdges_, hole.edges, hole.extent, others);
     }
-    if (const auto width = crackWidth(mesh)) {
+    if (width) {
       return fmt::format(
           "\"{}\" is cracked along a border of {} edges, {:.3g} m across: others run "
           "along it, up to {:.2g} mm apart{}; merge vertices by that distance where "
@@ -273,7 +311,8 @@ class Repair {
   const RepairOptions& options_;
   RunContext& run_;
   LabelledFaces faces_;
-  double speckExtent_ = 0.0;  // [m]
+  double speckExtent_ = 0.0;       // [m]
+  std::int64_t crowdedEdges_ = 0;  // with more than two faces, as the mesh came
   Findings findings_;
 };
 

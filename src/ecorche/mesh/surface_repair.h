@@ -17,8 +17,11 @@ struct RepairOptions {
   /// Holes no wider than this share of their piece's diagonal are filled; of n < 20 edges, where a
   /// face or two are missing, up to 20/n times as wide. 0: none.
   double holeRel = 0.05;
-  /// What is open in the end is an error (a skin must be closed); otherwise a warning.
+  /// A skin: what is open in the end is an error, otherwise a warning; sheets, and crumbs that
+  /// touch nothing, are left out.
   bool mustClose = false;
+  /// Open sheets that enclose nothing (see openSheets) are left out, of what need not close too.
+  bool leaveOutSheets = false;
 };
 
 struct RepairedSurface {
