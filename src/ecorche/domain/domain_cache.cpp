@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kMagic = 0x44434531;  // "1ECD"
-constexpr std::int64_t kVersion = 10;         // raise with every change of what comes out
+constexpr std::int64_t kVersion = 11;         // raise with every change of what comes out
 constexpr std::uintmax_t kCacheLimit = std::uintmax_t{4} << 30;
 
 fs::path folder() { return cacheFolder() / "domains"; }
