@@ -46,13 +46,8 @@ void main() {
 
 // Light for a view in motion: lamps without shadows, a sky dimmed by openness.
 std::string motionFragment() {
-  return kVersion + kEye + kLights + kOutline + R"(
-in vec2 vUv;
-layout(location = 0) out vec4 oLight;    // premultiplied
-uniform sampler2D uColourMap;
+  return kVersion + kEye + kLights + kOutline + kLighting + R"(
 uniform sampler2D uOpenMap;
-uniform vec3 uSkyAbove;                  // irradiance of a surface that faces up
-uniform vec3 uSkyBelow;
 // What an opening lets in when its walls have a colour of their own [Jimenez et al. 2016]
 vec3 coloured(float open, vec3 albedo) {
   vec3 a = 2.0404 * albedo - 0.3324, b = -4.7951 * albedo + 0.6417, c = 2.7552 * albedo + 0.6903;

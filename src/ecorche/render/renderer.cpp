@@ -131,6 +131,20 @@ void Renderer::Impl::drawScreen(int divisor) const {
   glDisable(GL_SCISSOR_TEST);
 }
 
+// A picture over what is there, each weighted by what blending says.
+void Renderer::Impl::lay(const gl::Texture& source, const gl::Framebuffer& onto, GLenum ofSource,
+                         GLenum ofOther) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, onto.id());
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(ofSource, ofOther);
+  programs.copy.use();
+  programs.copy.set("uWeight", 1.0f);
+  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, source);
+  drawScreen();
+  glDisable(GL_BLEND);
+}
+
 // The eye of this pass, and switches as we want them.
 void Renderer::Impl::startPass() {
   const Eigen::Matrix4d m = viewProjection(camera, options.width, options.height, scene.box(),
@@ -195,8 +209,8 @@ void Renderer::Impl::drawSeen() {
     scene.opaque().drawAll(!clip);
   }
   glDisable(GL_CLIP_DISTANCE0);
-  drawTubes(programs.tube, false);
-  drawBalls(programs.ball, false);
+  drawInstances(programs.tube, scene.tubes(false));
+  drawInstances(programs.ball, scene.balls(false));
 }
 
 void Renderer::Impl::resolve(int x, int y) {

@@ -82,8 +82,9 @@ struct Renderer::Impl {
   void drawScreen(int divisor = 1) const;
   void drawScreenWhereSeen(const gl::Program& p) const;
   std::array<int, 4> boxOnScreen() const;
-  void drawTubes(const gl::Program& p, bool onTop) const;
-  void drawBalls(const gl::Program& p, bool onTop) const;
+  void drawInstances(const gl::Program& p, const InstanceBatch& batch) const;
+  void lay(const gl::Texture& source, const gl::Framebuffer& onto, GLenum ofSource,
+           GLenum ofOther) const;
 };
 
 }  // namespace ecorche::render

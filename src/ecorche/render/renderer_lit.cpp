@@ -115,16 +115,6 @@ void Renderer::Impl::shade() {
   drawScreen();
 }
 
-void Renderer::Impl::addUp() {
-  glBindFramebuffer(GL_FRAMEBUFFER, targets.total.id());
-  glDisable(GL_DEPTH_TEST);
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ONE, GL_ONE);
-  programs.copy.use();
-  programs.copy.set("uWeight", 1.0f);
-  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, targets.light);
-  drawScreen();
-  glDisable(GL_BLEND);
-}
+void Renderer::Impl::addUp() { lay(targets.light, targets.total, GL_ONE, GL_ONE); }
 
 }  // namespace ecorche::render

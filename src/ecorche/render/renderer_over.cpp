@@ -8,17 +8,7 @@ constexpr int kMaxVeils = 4;  // layers of transparent surfaces told apart in a 
 
 }  // namespace
 
-void Renderer::Impl::drawTubes(const gl::Program& p, bool onTop) const {
-  const InstanceBatch& batch = scene.tubes(onTop);
-  if (batch.count == 0) return;
-  p.use();
-  setEye(p);
-  glBindVertexArray(batch.array.id());
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, batch.count);
-}
-
-void Renderer::Impl::drawBalls(const gl::Program& p, bool onTop) const {
-  const InstanceBatch& batch = scene.balls(onTop);
+void Renderer::Impl::drawInstances(const gl::Program& p, const InstanceBatch& batch) const {
   if (batch.count == 0) return;
   p.use();
   setEye(p);
@@ -73,29 +63,12 @@ void Renderer::Impl::drawVeils() {
     if (layers == 1) break;
 
     // Under what was peeled before
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.veils.id());
-    glDisable(GL_DEPTH_TEST);
     glDisable(GL_CLIP_DISTANCE0);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);
-    programs.copy.use();
-    programs.copy.set("uWeight", 1.0f);
-    programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D, targets.veilLight);
-    drawScreen();
-    glDisable(GL_BLEND);
+    lay(targets.veilLight, targets.veils, GL_ONE_MINUS_DST_ALPHA, GL_ONE);
   }
   glDisable(GL_CLIP_DISTANCE0);
-
-  glBindFramebuffer(GL_FRAMEBUFFER, targets.lit.id());
-  glDisable(GL_DEPTH_TEST);
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  programs.copy.use();
-  programs.copy.set("uWeight", 1.0f);
-  programs.copy.setTexture("uSource", 0, GL_TEXTURE_2D,
-                           layers == 1 ? targets.veilLight : targets.veilSum);
-  drawScreen();
-  glDisable(GL_BLEND);
+  lay(layers == 1 ? targets.veilLight : targets.veilSum, targets.lit, GL_ONE,
+      GL_ONE_MINUS_SRC_ALPHA);
 }
 
 void Renderer::Impl::drawOnTop() {
@@ -104,8 +77,8 @@ void Renderer::Impl::drawOnTop() {
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  drawTubes(programs.tubeOnTop, true);
-  drawBalls(programs.ballOnTop, true);
+  drawInstances(programs.tubeOnTop, scene.tubes(true));
+  drawInstances(programs.ballOnTop, scene.balls(true));
   glDisable(GL_BLEND);
 }
 

@@ -79,4 +79,13 @@ float edgeAt(ivec2 at, vec3 p, float nv, float own) {
 }
 )";
 
+// What lights a picture of colours, normals and depth, with or without shadows.
+inline const std::string kLighting = R"(
+in vec2 vUv;
+layout(location = 0) out vec4 oLight;    // premultiplied
+uniform sampler2D uColourMap;
+uniform vec3 uSkyAbove;                  // irradiance of a surface that faces up
+uniform vec3 uSkyBelow;
+)";
+
 }  // namespace ecorche::render::glsl

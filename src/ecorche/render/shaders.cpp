@@ -217,18 +217,13 @@ void main() {
 }
 
 std::string shadeFragment() {
-  return kVersion + kEye + kLights + kOutline + R"(
-in vec2 vUv;
-layout(location = 0) out vec4 oLight;    // premultiplied
-uniform sampler2D uColourMap;
+  return kVersion + kEye + kLights + kOutline + kLighting + R"(
 uniform sampler2DArrayShadow uShadows;
 uniform mat4 uShadowMatrix[MAX_LIGHTS];  // world to (u, v, depth)
 uniform vec2 uTexel;                     // metres of a shadow texel; share of a map's depth for the same length
 uniform float uBounce;                   // how much of blocked light comes back from the neighbour that blocks it
 uniform vec4 uGround;                    // unit normal and offset
 uniform float uGroundShade;              // 0: no ground
-uniform vec3 uSkyAbove;
-uniform vec3 uSkyBelow;
 
 float litShare(int i, vec3 p, vec3 n, float nl) {
   float slope = clamp(sqrt(max(1.0 - nl * nl, 0.0)) / max(nl, 0.15), 0.0, 3.0);
