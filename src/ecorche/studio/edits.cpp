@@ -110,6 +110,25 @@ Edit duplicate(const Session& session) {
           {name, -1, -1, {}}};
 }
 
+Edit protectSelected(const Session& session, bool on) {
+  const model::Tissue* tissue = session.selectedTissue();
+  if (tissue == nullptr) return {};
+  return {{model::SetProtected{tissue->name, on}},
+          (on ? QObject::tr("Protect %1") : QObject::tr("Lift the protection of %1"))
+              .arg(shown(tissue->name)),
+          session.selection()};
+}
+
+Edit keepTwinOfSelected(const Session& session, bool on) {
+  const model::Tissue* tissue = session.selectedTissue();
+  if (tissue == nullptr) return {};
+  return {
+      {model::SetKeepsTwin{tissue->name, on}},
+      (on ? QObject::tr("Keep the twin of %1 in step") : QObject::tr("Let go of the twin of %1"))
+          .arg(shown(tissue->name)),
+      session.selection()};
+}
+
 Edit thicken(const Session& session, double factor) {
   const model::Tissue* tissue = session.selectedTissue();
   if (tissue == nullptr) return {};

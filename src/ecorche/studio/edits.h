@@ -27,6 +27,10 @@ struct Edit {
 [[nodiscard]] Edit splitCurve(const Session& session);
 /// The selected muscle once more, under a new name.
 [[nodiscard]] Edit duplicate(const Session& session);
+/// Protects the selected muscle, or lifts that.
+[[nodiscard]] Edit protectSelected(const Session& session, bool on);
+/// Keeps the selected muscle's twin in step from now on, or lets it go.
+[[nodiscard]] Edit keepTwinOfSelected(const Session& session, bool on);
 /// All values of the selected muscle times a factor.
 [[nodiscard]] Edit thicken(const Session& session, double factor);
 

@@ -50,8 +50,7 @@ void MainWindow::makeActions() {
   add("mirror", tr("&Mirror"), tr("M"), [this] { mirrorSelected(); });
   add("protect", tr("&Protect, or lift that"), tr("Ctrl+L"), [this] {
     if (const model::Tissue* tissue = session_->selectedTissue())
-      session_->perform(model::SetProtected{tissue->name, !tissue->isProtected},
-                        tr("Protect %1").arg(QString::fromStdString(tissue->name)));
+      carryOut(protectSelected(*session_, !tissue->isProtected));
   });
   add("split", tr("&Split at the point"), tr("Ctrl+K"),
       [this] { carryOut(splitCurve(*session_)); });

@@ -1,3 +1,4 @@
+#include <ecorche/studio/edits.h>
 #include <ecorche/studio/muscle_list.h>
 #include <ecorche/studio/theme.h>
 
@@ -240,16 +241,17 @@ void MuscleList::menu(const QPoint& at) {
   menu.addAction(tr("Mirror"), this, &MuscleList::mirrorAsked);
   menu.addAction(tr("Delete"), this, &MuscleList::deleteAsked);
   menu.addSeparator();
-  const auto toggle = [&](const QString& text, bool on, const model::Command& command) {
-    QAction* action =
-        menu.addAction(text, this, [this, text, command] { session_.perform(command, text); });
+  const auto toggle = [&](const QString& text, bool on, Edit (*edit)(const Session&, bool)) {
+    QAction* action = menu.addAction(text, this, [this, on, edit] {
+      const Edit made = edit(session_, !on);
+      session_.perform(made.commands, made.label);
+    });
     action->setCheckable(true);
     action->setChecked(on);
   };
-  toggle(tr("Protected"), tissue->isProtected, model::SetProtected{name, !tissue->isProtected});
+  toggle(tr("Protected"), tissue->isProtected, protectSelected);
   if (tissue->hasCurves())
-    toggle(tr("Keep its twin in step"), tissue->keepsTwin,
-           model::SetKeepsTwin{name, !tissue->keepsTwin});
+    toggle(tr("Keep its twin in step"), tissue->keepsTwin, keepTwinOfSelected);
   menu.addSeparator();
   const bool solo = session_.display().solo == name;
   menu.addAction(solo ? tr("Show the others again") : tr("Show this one alone"), this,

@@ -154,18 +154,16 @@ void MusclePanel::makeNameRows(QFormLayout& form) {
   protected_ = toggle("protected", tr("Protected"),
                       tr("Its curves and values stay as they are until this is lifted"));
   connect(protected_, &QCheckBox::toggled, this, [this](bool on) {
-    if (!filling_)
-      session_.perform(model::SetProtected{session_.selection().tissue, on},
-                       on ? tr("Protect %1").arg(title_->text())
-                          : tr("Lift the protection of %1").arg(title_->text()));
+    if (filling_) return;
+    const Edit edit = protectSelected(session_, on);
+    session_.perform(edit.commands, edit.label);
   });
   keepsTwin_ = toggle("keepsTwin", tr("Keep its twin in step"),
                       tr("The muscle of the same name on the other side follows every edit"));
   connect(keepsTwin_, &QCheckBox::toggled, this, [this](bool on) {
-    if (!filling_)
-      session_.perform(model::SetKeepsTwin{session_.selection().tissue, on},
-                       on ? tr("Keep the twin of %1 in step").arg(title_->text())
-                          : tr("Let go of the twin of %1").arg(title_->text()));
+    if (filling_) return;
+    const Edit edit = keepTwinOfSelected(session_, on);
+    session_.perform(edit.commands, edit.label);
   });
   side_ = new QComboBox(form_);
   side_->addItem(tr("not said"), static_cast<int>(model::Side::Unknown));

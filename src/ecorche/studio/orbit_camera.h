@@ -7,6 +7,9 @@
 
 namespace ecorche::studio {
 
+/// How near a hand has to be to what it takes hold of [pixels].
+inline constexpr double kHandReach = 9.0;
+
 /// An eye that a hand turns about a point. Pixels count from the top left of the view, in the same
 /// units as `width` and `height`.
 class OrbitCamera {

@@ -12,8 +12,6 @@ using mesh::Vector3;
 
 namespace {
 
-constexpr double kReach = 9.0;  // of a hand, from a point or curve [pixels]
-
 bool clippedAway(const Vector3& p, const Display& display) {
   return display.clip && (p - display.clip->point).dot(display.clip->normal) < 0.0;
 }
@@ -50,7 +48,7 @@ std::optional<Selection> Picker::pickHandle(const Input& input, const Eigen::Vec
   if (!place) return std::nullopt;
   const model::Tissue& tissue = input.project.tissues[*place];
   std::optional<Selection> best;
-  double nearest = kReach;
+  double nearest = kHandReach;
   for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
     for (std::size_t p = 0; p < tissue.curves[c].points.size(); ++p) {
       const auto seen = input.camera.pixelOf(tissue.curves[c].points[p].at);

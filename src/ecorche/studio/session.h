@@ -141,6 +141,7 @@ class Session : public QObject {
   std::vector<double> volumes_;                   // by tissue id − 1 [m³]
   std::map<std::string, double> keptVolumes_;     // [m³]
   std::shared_ptr<const mesh::Directions> flow_;  // of tissues_
+  bool flowIsNew_ = false;                        // of the fields as they are, or being made
   mutable std::optional<MirrorPlane> mirror_;     // of these:
   mutable std::shared_ptr<const engine::LiveMeshes> mirrorOf_;
   std::uint64_t fieldsRevision_ = 0;

@@ -12,7 +12,6 @@ using mesh::Vector3;
 namespace {
 
 constexpr double kRadius = 52.0;  // of the ring [pixels]
-constexpr double kReach = 9.0;    // of a hand [pixels]
 constexpr double kLeast = 0.05;   // λ
 constexpr double kMost = 20.0;
 constexpr int kRingSteps = 72;
@@ -59,7 +58,7 @@ std::vector<std::vector<Vector3>> SpreadGizmo::axes() const {
 std::optional<SpreadPart> SpreadGizmo::under(const Eigen::Vector2d& pixel) const {
   const auto near = [&](const Vector3& p) {
     const auto seen = camera_.pixelOf(p);
-    return seen && (*seen - pixel).norm() <= kReach;
+    return seen && (*seen - pixel).norm() <= kHandReach;
   };
   const std::vector<Vector3> ends = handles();
   if (near(ends[0])) return SpreadPart::Lambda2;

@@ -1,5 +1,6 @@
 #include <ecorche/authoring/names.h>
 #include <ecorche/authoring/snap.h>
+#include <ecorche/authoring/symmetry.h>
 #include <ecorche/studio/twins.h>
 
 #include <algorithm>
@@ -79,14 +80,19 @@ bool sameBody(const model::Tissue& a, const model::Tissue& b) {
 
 }  // namespace
 
-std::optional<MirrorPlane> mirrorPlane(const model::Project& project,
-                                       const engine::LiveMeshes* meshes) {
+std::optional<MirrorPlane> symmetryPlane(const model::Project& project) {
   for (const model::CutPlane& plane : project.cutPlanes) {
     if (plane.kind == model::CutPlane::Kind::Symmetry)
       return MirrorPlane{plane.point, plane.normal};
   }
-  if (meshes == nullptr || meshes->meshes.skin.F.rows() == 0) return std::nullopt;
-  const mesh::SurfaceMesh& skin = meshes->meshes.skin;
+  return std::nullopt;
+}
+
+std::optional<MirrorPlane> mirrorPlane(const mesh::SurfaceMesh& skin) {
+  if (skin.F.rows() == 0) return std::nullopt;
+  RunContext run;
+  const auto found = authoring::findSymmetryPlane(skin, {}, run);
+  if (found && *found) return MirrorPlane{(*found)->point, (*found)->normal};
   const mesh::Box box = mesh::boundingBox(skin);
   const mesh::SurfaceQuery surface(skin);
   MirrorPlane best;

@@ -20,11 +20,12 @@ struct MirrorPlane {
     return p - 2.0 * (p - point).dot(normal) * normal;
   }
 };
-/// That of the project if it has a symmetry plane, else one through the middle of the skin, across
-/// the axis along which its halves are most alike.
-/// @param meshes  may be null
-[[nodiscard]] std::optional<MirrorPlane> mirrorPlane(const model::Project& project,
-                                                     const engine::LiveMeshes* meshes);
+/// The project's symmetry plane, if it has one.
+[[nodiscard]] std::optional<MirrorPlane> symmetryPlane(const model::Project& project);
+/// The plane that mirrors a skin (authoring::findSymmetryPlane); where none does, as of an arm by
+/// itself, one through its middle, across the axis along which its halves are most alike. Nothing
+/// without a skin.
+[[nodiscard]] std::optional<MirrorPlane> mirrorPlane(const mesh::SurfaceMesh& skin);
 
 /// What makes `twin` the image of a muscle, with the bones of that side; where it is there already
 /// only what differs. Ends come to lie on the bone of that side, if one is near.
