@@ -67,13 +67,12 @@ std::vector<std::uint8_t> strayFaces(const mesh::SurfaceMesh& mesh) {
   const mesh::SurfaceEdges edges = mesh::surfaceEdges(mesh.F);
   const mesh::FaceComponents pieces = mesh::components(mesh.F, edges);
   const std::vector<char> sheet = mesh::openSheets(mesh.V, mesh.F, edges, pieces);
-  const auto check = mesh::checkSurface(mesh).components;
-  const double crumb = mesh::kCrumbShare * std::abs(mesh::signedVolume(mesh.V, mesh.F));
+  const std::vector<char> crumb =
+      mesh::crumbs(mesh.V, mesh.F, pieces, mesh::checkSurface(mesh).components);
   std::vector<std::uint8_t> out(pieces.label.size(), 0);
   for (std::size_t f = 0; f < out.size(); ++f) {
     const auto piece = static_cast<std::size_t>(pieces.label[f]);
-    out[f] = sheet[piece] != 0 ||
-             (check[piece].closed && check.size() > 1 && std::abs(check[piece].volume) < crumb);
+    out[f] = sheet[piece] != 0 || crumb[piece] != 0;
   }
   return out;
 }

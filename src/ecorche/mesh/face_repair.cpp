@@ -292,38 +292,44 @@ StepReport dropSpecks(LabelledFaces& faces, double extent) {
   return report;
 }
 
-StepReport dropCrumbs(LabelledFaces& faces) {
+std::vector<char> crumbs(const Positions& V, const Triangles& F, const FaceComponents& pieces,
+                         const std::vector<SurfaceCheck::Component>& check) {
   constexpr double kShort = 0.04;  // of the extent
-  StepReport report;
-  const SurfaceMesh mesh{.V = faces.V, .F = faces.F};
-  const auto check = checkSurface(mesh).components;
-  const double most = kCrumbShare * std::abs(signedVolume(faces.V, faces.F));
-  const double extent = kShort * boundingBox(mesh).diagonal();
+  const double most = kCrumbShare * std::abs(signedVolume(V, F));
   std::vector<char> goes(check.size(), 0);
-  std::ranges::transform(check, goes.begin(), [&](const SurfaceCheck::Component& c) {
-    return c.closed && std::abs(c.volume) < most;
-  });
-  if (check.size() < 2 || std::ranges::find(goes, 1) == goes.end()) return report;
-  const FaceComponents pieces = components(faces.F);
-  std::vector<char> large(check.size());
-  std::ranges::transform(goes, large.begin(), [](char g) { return g == 0; });
-  for (std::size_t p = 0; p < check.size(); ++p) large[p] = large[p] != 0 && check[p].closed;
-  const auto heldBy = holders(faces.V, faces.F, pieces, large, goes);
+  std::vector<char> large(check.size(), 0);
   for (std::size_t p = 0; p < check.size(); ++p) {
-    if (!heldBy[p].empty() && check[p].box.diagonal() > extent) goes[p] = 0;
+    goes[p] = check[p].closed && std::abs(check[p].volume) < most;
+    large[p] = check[p].closed && goes[p] == 0;
+  }
+  if (check.size() < 2 || std::ranges::find(goes, 1) == goes.end())
+    return std::vector<char>(check.size(), 0);
+  Box all;
+  for (const SurfaceCheck::Component& piece : check) all.add(piece.box);
+  const auto heldBy = holders(V, F, pieces, large, goes);
+  for (std::size_t p = 0; p < check.size(); ++p) {
+    if (!heldBy[p].empty() && check[p].box.diagonal() > kShort * all.diagonal()) goes[p] = 0;
   }
   // What hangs together by touching stays or goes together
   DisjointSets clusters(check.size());
-  for (const auto& [f, g] : selfIntersections(faces.V, faces.F))
+  for (const auto& [f, g] : selfIntersections(V, F))
     clusters.unite(pieces.label[index(f)], pieces.label[index(g)]);
-  std::vector<char> held(check.size(), 0);
+  std::vector<char> stays(check.size(), 0);
   const auto cluster = [&](std::size_t p) {
     return index(clusters.root(static_cast<std::int32_t>(p)));
   };
   for (std::size_t p = 0; p < check.size(); ++p) {
-    if (goes[p] == 0) held[cluster(p)] = 1;
+    if (goes[p] == 0) stays[cluster(p)] = 1;
   }
-  for (std::size_t p = 0; p < check.size(); ++p) goes[p] = goes[p] != 0 && held[cluster(p)] == 0;
+  for (std::size_t p = 0; p < check.size(); ++p) goes[p] = stays[cluster(p)] == 0;
+  return goes;
+}
+
+StepReport dropCrumbs(LabelledFaces& faces) {
+  StepReport report;
+  const auto check = checkSurface({.V = faces.V, .F = faces.F}).components;
+  const FaceComponents pieces = components(faces.F);
+  const std::vector<char> goes = crumbs(faces.V, faces.F, pieces, check);
   for (std::size_t p = 0; p < check.size(); ++p) {
     if (goes[p] != 0) report.see(check[p].box.centre(), check[p].box.diagonal());
   }

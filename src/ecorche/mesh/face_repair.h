@@ -1,6 +1,8 @@
 #pragma once
 
+#include <ecorche/mesh/surface_check.h>
 #include <ecorche/mesh/surface_mesh.h>
+#include <ecorche/mesh/surface_topology.h>
 
 #include <cstdint>
 #include <optional>
@@ -54,9 +56,17 @@ StepReport dropDoubled(LabelledFaces& faces);
 /// of the area, go; the largest piece stays.
 StepReport dropSpecks(LabelledFaces& faces, double extent);
 
-/// Closed pieces that touch none but their like, with less than a thousandth of the volume, go:
-/// what a threshold leaves in the air around a scan. Within other pieces they must also be short of
-/// a twenty-fifth of the extent of all: bubbles in the flesh go, an eyeball stays.
+/// Which pieces are crumbs: closed, touching none but their like, with less than a thousandth of
+/// the volume, as a threshold leaves them in the air around a scan. Within other pieces they are
+/// also short of a twenty-fifth of the extent of all: bubbles in the flesh are, an eyeball is not.
+///
+/// @param pieces  of F, as components() gives
+/// @param check   of the same, in that order, as checkSurface() gives
+/// @return  #pieces, not 0: a crumb
+[[nodiscard]] std::vector<char> crumbs(const Positions& V, const Triangles& F,
+                                       const FaceComponents& pieces,
+                                       const std::vector<SurfaceCheck::Component>& check);
+/// These go.
 StepReport dropCrumbs(LabelledFaces& faces);
 inline constexpr double kCrumbShare = 1e-3;  ///< of the volume
 
