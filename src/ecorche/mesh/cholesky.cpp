@@ -1,57 +1,14 @@
-#include <cblas.h>
-#include <cholmod.h>
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
-#include <ecorche/mesh/cholesky.h>
+#include <ecorche/mesh/cholesky_impl.h>
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <vector>
 
 namespace ecorche::mesh {
 
 namespace {
-
-// CHOLMOD's settings and workspace; one per call, since calls may come from several threads.
-struct Common {
-  cholmod_common c{};
-  Common() {
-    cholmod_start(&c);
-    c.supernodal = CHOLMOD_SUPERNODAL;
-    c.final_ll = 1;
-    c.print = 0;
-    c.error_handler = nullptr;
-    c.nmethods = 1;
-    c.method[0].ordering = CHOLMOD_METIS;
-    c.postorder = 1;
-  }
-  ~Common() { cholmod_finish(&c); }
-  Common(const Common&) = delete;
-  Common& operator=(const Common&) = delete;
-  operator cholmod_common*() { return &c; }
-};
-
-// OpenBLAS keeps one thread count for the whole process. It is 1 with us, so that our own loops can
-// run beside one another, and wide only while a factorisation that stands alone asks for it.
-class BlasThreads {
- public:
-  explicit BlasThreads(int count) : wide_(count > 1) {
-    if (wide_ ? users()++ == 0 : users() == 0) openblas_set_num_threads(count);
-  }
-  ~BlasThreads() {
-    if (wide_ && --users() == 0) openblas_set_num_threads(1);
-  }
-  BlasThreads(const BlasThreads&) = delete;
-  BlasThreads& operator=(const BlasThreads&) = delete;
-
- private:
-  static std::atomic<int>& users() {
-    static std::atomic<int> count{0};
-    return count;
-  }
-  bool wide_;
-};
 
 // Most columns per block of a solve: the factor is read once per block. Blocks are the same for any
 // number of threads, so that results are, too.
@@ -110,15 +67,6 @@ std::int64_t SymbolicCholesky::rowCount() const {
   return static_cast<std::int64_t>(impl_->first.size()) - 1;
 }
 double SymbolicCholesky::factorEntries() const { return static_cast<double>(impl_->L->xsize); }
-
-struct Cholesky::Impl {
-  mutable Common common;
-  cholmod_factor* L = nullptr;
-  std::int64_t rowCount = 0;
-  std::int64_t badRow = -1;
-
-  ~Impl() { cholmod_free_factor(&L, common); }
-};
 
 Cholesky::Cholesky(const SymbolicCholesky& symbolic, const std::vector<double>& values, int threads)
     : impl_(std::make_unique<Impl>()) {

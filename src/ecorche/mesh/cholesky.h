@@ -66,6 +66,8 @@ class Cholesky {
   void solveInPlace(Eigen::MatrixXd& X, const std::function<bool()>& stop = {}) const;
 
  private:
+  template <class Scalar>
+  friend class TreeSolver;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
