@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 using namespace ecorche::mesh;
 
@@ -42,4 +43,25 @@ TEST_CASE("the nearest point of a curve leaves at a right angle and is nearer th
     }
     if (u > 0.0 && u < 3.0) CHECK(std::abs(s.tangent(u).dot(x - s.at(u))) < 1e-6);
   }
+}
+
+TEST_CASE("halves of any part of a curve are equally long") {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<Vector3> points;
+    for (int k = 0; k < 5; ++k) points.emplace_back(any(random), any(random), any(random));
+    const Spline spline(points);
+    const double u0 = 3.9 * any(random);
+    const double u1 = u0 + (trial % 2 == 0 ? 0.02 : 1.0) * (4.0 - u0) * any(random);
+    const double length = spline.lengthTo(u1) - spline.lengthTo(u0);
+    REQUIRE(spline.lengthBetween(u0, u1) == Approx(length).margin(1e-10));
+    const double u = spline.halfway(u0, u1);
+    REQUIRE(u > u0);
+    REQUIRE(u < u1);
+    REQUIRE(spline.lengthBetween(u0, u) ==
+            Approx(spline.lengthBetween(u, u1)).margin(1e-10 * spline.length()));
+  }
+  const Spline line({{0, 0, 0}, {1, 0, 0}});
+  CHECK(line.lengthBetween(0.7, 0.2) == 0.0);
 }

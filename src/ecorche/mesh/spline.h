@@ -28,6 +28,11 @@ class Spline {
   [[nodiscard]] double length() const;  ///< [m]
   /// Arc length from the start to u [m].
   [[nodiscard]] double lengthTo(double u) const;
+  /// Between two places of which the first comes first [m]; 0 otherwise. Cheaper the shorter.
+  [[nodiscard]] double lengthBetween(double u0, double u1) const;
+  /// The place with as much of the curve before it as behind it, between two others, to 1e-12 of
+  /// the length.
+  [[nodiscard]] double halfway(double u0, double u1) const;
   /// Inverse of lengthTo, to 1e-12 of the length.
   [[nodiscard]] double parameterAt(double arcLength) const;
 
@@ -58,7 +63,7 @@ class Spline {
   std::vector<Vector3> extended_;   // mirrored, points, mirrored
   std::vector<double> cumulative_;  // arc length at control points
 
-  [[nodiscard]] double arc(double u0, double u1) const;
+  [[nodiscard]] double arc(double u0, double u1, int pieces = 4) const;
 };
 
 }  // namespace ecorche::mesh
