@@ -116,6 +116,7 @@ Json calibration() {
           }
           return flux / kLength / exact - 1.0;
         };
+        const WellSolver wells(domain);
         CoreSamples cores = must(traceCurves(domain, one, options, run));
         const double ours = fluxError(cores);
         double mean = 0.0;
@@ -123,7 +124,8 @@ Json calibration() {
         double edge = 0.0;
         for (const CoreSample& s : cores.samples) {
           const Vector3 p = one[0].curves[0].spline.at(s.u);
-          const double r = wellRadius(domain, s.tet, p, s.tangent, h[s.tet]) / h[s.tet];
+          const WellPoint point{p, s.tet};
+          const double r = wells.radius({&point, 1}, s.tangent, h[s.tet]) / h[s.tet];
           mean += r * s.length / kLength;
           square += r * r * s.length / kLength;
           edge += h[s.tet] * s.length / kLength;

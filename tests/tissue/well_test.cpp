@@ -209,14 +209,18 @@ TEST_CASE("the well radius of a row knows where in its tet the line runs, and no
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(0.9, Vector3(2, 1, -1).normalized()).toRotationMatrix();
   const Domain turned = test::moved(domain, R, 1024.0, Vector3::Zero());
+  const WellSolver wells(domain);
+  const WellSolver turnedWells(turned);
   double mean = 0.0;
   int count = 0;
   for (Eigen::Index t = 0; t < domain.mesh.T.rows(); t += 7) {
     const Vector3 p = domain.mesh.V(domain.mesh.T.row(t), Eigen::all).colwise().mean().transpose();
-    const double r = wellRadius(domain, std::int32_t(t), p, tangent, h[t]);
+    const WellPoint point{p, std::int32_t(t)};
+    const double r = wells.radius({&point, 1}, tangent, h[t]);
     REQUIRE(r >= kLeastWell * kWellC * h[t]);
     REQUIRE(r <= kWellC * h[t] / kLeastWell);
-    REQUIRE(wellRadius(turned, std::int32_t(t), 1024.0 * (R * p), R * tangent, 1024.0 * h[t]) ==
+    const WellPoint there{1024.0 * (R * p), std::int32_t(t)};
+    REQUIRE(turnedWells.radius({&there, 1}, R * tangent, 1024.0 * h[t]) ==
             Approx(1024.0 * r).epsilon(1e-9));
     mean += r / h[t];
     ++count;
@@ -227,10 +231,14 @@ TEST_CASE("the well radius of a row knows where in its tet the line runs, and no
 TEST_CASE("a line in the faces of a grid has one well radius, whichever tet it is asked in") {
   const Domain domain = test::cylinderDomain(1.0, 1.0, 16, 0);
   const Vector3 p(0.21, 0.0, 0.43);
-  const double a = wellRadius(domain, mesh::TetLocator(domain.mesh).locate(p - Vector3(0, 1e-9, 0)),
-                              p, Vector3::UnitZ(), 0.15);
-  const double b = wellRadius(domain, mesh::TetLocator(domain.mesh).locate(p + Vector3(0, 1e-9, 0)),
-                              p, Vector3::UnitZ(), 0.15);
+  const WellSolver wells(domain);
+  const mesh::TetLocator locator(domain.mesh);
+  const auto radiusIn = [&](const Vector3& towards) {
+    const WellPoint point{p, locator.locate(p + towards)};
+    return wells.radius({&point, 1}, Vector3::UnitZ(), 0.15);
+  };
+  const double a = radiusIn(Vector3(0, -1e-9, 0));
+  const double b = radiusIn(Vector3(0, 1e-9, 0));
   CHECK(a == Approx(b).epsilon(1e-3));
 }
 

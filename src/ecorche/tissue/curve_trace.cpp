@@ -1,17 +1,13 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
-#include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/nearest_boundary.h>
-#include <ecorche/tissue/well.h>
-#include <ecorche/tissue/well_radius.h>
+#include <ecorche/tissue/nearest_samples.h>
+#include <ecorche/tissue/piece_rows.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
-#include <tuple>
 
 namespace ecorche::tissue {
 
@@ -122,76 +118,6 @@ void judgeGaps(const Domain& domain, const CurveTissue& tissue, const CurveWalk&
   }
 }
 
-// The row of a piece whose tet is finer than the core: its weight shared by points on the core's
-// rim, where the field of the line is what the core holds. Points in bone are left out, the others
-// share what is theirs.
-void addRim(const CurveWalker& walker, const Domain& domain, const CoreSample& middle,
-            const Vector3& centre, double rho, double line, std::vector<CoreSample>& out) {
-  // Across the tangent, from a corner of the tet, so that the rim turns with the model
-  Vector3 across = Vector3::Zero();
-  for (int k = 0; k < 4; ++k) {
-    const Vector3 to = domain.mesh.V.row(domain.mesh.T(middle.tet, k)).transpose() - centre;
-    const Vector3 candidate = to - to.dot(middle.tangent) * middle.tangent;
-    if (candidate.squaredNorm() > across.squaredNorm()) across = candidate;
-  }
-  across.normalize();
-  const Vector3 third = middle.tangent.cross(across);
-
-  const double h = walker.meanEdges()[middle.tet];
-  const int count = rimPointCount(rho, h);
-  std::vector<WellPoint> points;
-  for (int k = 0; k < count; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / count;
-    const Vector3 p = centre + rho * (std::cos(angle) * across + std::sin(angle) * third);
-    const std::int32_t tet = walker.find(middle.tet, p);
-    if (tet >= 0) points.push_back({p, tet});
-  }
-  if (points.empty()) points.push_back({centre, middle.tet});
-
-  // Solving pays while a tet is about as large as the core; much finer ones see the rim as it is
-  constexpr double kFineTets = 0.4;
-  const double radius = h > kFineTets * rho ? wellRadius(domain, points, middle.tangent, h)
-                                            : rimRadius(rho, line, static_cast<int>(points.size()));
-  const double weight = wellWeight(rho, radius);
-  for (const WellPoint& point : points) {
-    CoreSample sample = middle;
-    sample.tet = point.tet;
-    sample.barycentric = mesh::barycentric(domain.mesh, point.tet, point.p);
-    sample.length = middle.length / static_cast<double>(points.size());
-    sample.weight = weight * sample.length;
-    out.push_back(sample);
-  }
-}
-
-// Of all rows of a curve that know a vertex, the nearest speaks for it.
-class NearestSamples {
- public:
-  void add(const Domain& domain, const Well& well, const Vector3& at, std::int32_t sample) {
-    for (const LineError& e : well.errors) {
-      const double away2 = (domain.mesh.V.row(e.vertex).transpose() - at).squaredNorm();
-      entries_.push_back({{e.vertex, sample, e.error}, away2});
-    }
-  }
-  std::vector<NearCurve> byVertex() {
-    std::ranges::sort(entries_, [](const Entry& a, const Entry& b) {
-      return std::tie(a.what.vertex, a.away2, a.what.sample) <
-             std::tie(b.what.vertex, b.away2, b.what.sample);
-    });
-    std::vector<NearCurve> out;
-    for (const Entry& e : entries_) {
-      if (out.empty() || out.back().vertex != e.what.vertex) out.push_back(e.what);
-    }
-    return out;
-  }
-
- private:
-  struct Entry {
-    NearCurve what;
-    double away2;  // [m²]
-  };
-  std::vector<Entry> entries_;
-};
-
 void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue& tissue,
               const TissueOptions& options, Job& job) {
   const TissueCurve& curve = tissue.curves[job.curve];
@@ -219,38 +145,21 @@ void traceOne(const CurveWalker& walker, const Domain& domain, const CurveTissue
   if (job.error) return;
 
   const double rho = coreRadius(tissue, options, domain);
+  std::vector<PieceRows> made(walk.pieces.size());
+  parallelFor(
+      std::ssize(made),
+      [&](std::int64_t i) {
+        made[static_cast<std::size_t>(i)] =
+            rowsOfPiece(walker, domain, curve.spline, walk.pieces[static_cast<std::size_t>(i)],
+                        TissueId(kFirstMuscle.value + static_cast<std::int64_t>(job.tissue)),
+                        static_cast<std::int32_t>(job.curve), rho, options.alpha);
+      },
+      kPieceGrain);
   NearestSamples nearest;
-  for (const CurvePiece& piece : walk.pieces) {
-    const double s0 = curve.spline.lengthTo(piece.u0);
-    const double s1 = curve.spline.lengthTo(piece.u1);
-    const double h = walker.meanEdges()[piece.tet];
-    if (!(s1 > s0)) continue;
-    CoreSample sample;
-    sample.tissue = TissueId(kFirstMuscle.value + static_cast<std::int64_t>(job.tissue));
-    sample.curve = static_cast<std::int32_t>(job.curve);
-    sample.tet = piece.tet;
-    sample.u = curve.spline.parameterAt(0.5 * (s0 + s1));
-    sample.length = s1 - s0;
-    sample.tangent = curve.spline.tangent(sample.u);
-    // The chord stood for the curve: pull the middle of a bent piece back into its tet
-    const Vector3 middle = curve.spline.at(sample.u);
-    const Eigen::Vector4d b = mesh::barycentric(domain.mesh, piece.tet, middle).cwiseMax(0.0);
-    sample.barycentric = b / b.sum();
-    job.covered += sample.length;
-
-    if (options.alpha) {
-      sample.weight = *options.alpha;
-      job.samples.push_back(sample);
-      continue;
-    }
-    const Well well = wellAround(domain, {middle, piece.tet}, sample.tangent, h, rho);
-    if (well.radius >= rho) {
-      sample.weight = wellWeight(rho, well.radius) * sample.length;
-      nearest.add(domain, well, middle, static_cast<std::int32_t>(job.samples.size()));
-      job.samples.push_back(sample);
-    } else {
-      addRim(walker, domain, sample, middle, rho, well.radius, job.samples);
-    }
+  for (const PieceRows& piece : made) {
+    job.covered += piece.length;
+    nearest.add(domain, piece.well, piece.middle, static_cast<std::int32_t>(job.samples.size()));
+    job.samples.insert(job.samples.end(), piece.samples.begin(), piece.samples.end());
   }
   job.nearCurves = nearest.byVertex();
 }

@@ -25,7 +25,10 @@ struct CurveWalker::Leg {
 };
 
 CurveWalker::CurveWalker(const domain::Domain& domain)
-    : domain_(domain), locator_(domain.mesh), meanEdges_(mesh::meanEdgeLengths(domain.mesh)) {
+    : domain_(domain),
+      locator_(domain.mesh),
+      meanEdges_(mesh::meanEdgeLengths(domain.mesh)),
+      wells_(domain) {
   outsideStep_ = meanEdges_.size() > 0 ? 0.25 * meanEdges_.mean() : 1.0;
 
   // Boundary faces by (tet, corner opposite)

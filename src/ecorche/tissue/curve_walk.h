@@ -3,6 +3,7 @@
 #include <ecorche/domain/domain.h>
 #include <ecorche/mesh/spline.h>
 #include <ecorche/mesh/tet_locator.h>
+#include <ecorche/tissue/well_radius.h>
 
 #include <optional>
 #include <vector>
@@ -47,12 +48,15 @@ class CurveWalker {
   [[nodiscard]] std::int32_t find(std::int32_t from, const mesh::Vector3& p) const;
   /// Mean edge of every tet, #T [m].
   [[nodiscard]] const Eigen::VectorXd& meanEdges() const { return meanEdges_; }
+  /// What its tets make of a line.
+  [[nodiscard]] const WellSolver& wells() const { return wells_; }
 
  private:
   struct Leg;
   const domain::Domain& domain_;
   mesh::TetLocator locator_;
   Eigen::VectorXd meanEdges_;
+  WellSolver wells_;
   std::vector<std::int32_t> tagSlot_;  // sorted 4·tet + corner of boundary faces …
   std::vector<std::int32_t> tagFace_;  // … and their place in the domain's boundary
   double outsideStep_ = 0.0;

@@ -13,13 +13,17 @@ inline constexpr double kWellBeta = 5.0;
 /// [unitless].
 inline constexpr double kWellC = 0.41;
 
-/// Weight per length of a core of radius ρ whose row reads the field of a line at radius r_e ≥ ρ:
-/// 1/w = 1/(πβ) + ln(r_e/ρ) / 2π [Peaceman 1978; D'Angelo & Quarteroni 2008] [unitless].
-[[nodiscard]] inline double wellWeight(double coreRadius, double wellRadius) {
+/// What lies between a core of radius ρ and what its row reads, the field of a line at radius r_e ≥
+/// ρ: 1/w = 1/(πβ) + ln(r_e/ρ) / 2π [Peaceman 1978; D'Angelo & Quarteroni 2008] [unitless].
+[[nodiscard]] inline double wellResistance(double coreRadius, double wellRadius) {
   // A rim may read a little inside itself; the weight stays finite down to 0.67 ρ
   const double resolved = std::max(wellRadius, 0.9 * coreRadius);
-  return 1.0 / (1.0 / (std::numbers::pi * kWellBeta) +
-                std::log(resolved / coreRadius) / (2.0 * std::numbers::pi));
+  return 1.0 / (std::numbers::pi * kWellBeta) +
+         std::log(resolved / coreRadius) / (2.0 * std::numbers::pi);
+}
+/// Weight per length of such a row, w [unitless].
+[[nodiscard]] inline double wellWeight(double coreRadius, double wellRadius) {
+  return 1.0 / wellResistance(coreRadius, wellRadius);
 }
 
 /// How many points of the core's rim stand for it where tets are finer than the core: about one per

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
 #include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/well.h>
 #include <ecorche/tissue/well_radius.h>
@@ -11,7 +12,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -26,7 +29,7 @@ namespace {
 // open addresses.
 class Arrivals {
  public:
-  Arrivals() : table_(256, {-1, -1}) {}
+  Arrivals() : table_(1024, {-1, -1}) {}
 
   // Place of the id, and whether it is new
   std::pair<std::int32_t, bool> add(std::int32_t id) {
@@ -57,64 +60,118 @@ class Arrivals {
   std::size_t count_ = 0;
 };
 
-// The tets around the points, their vertices, and which of those are unknown. Lengths in reaches
-// from the centre, so that units cancel.
+// The domain's stiffness, vertex by vertex: neighbours and what couples to them [m]
+struct Coupling {
+  mesh::VertexTets tetsOf;
+  std::vector<std::int32_t> first;      // #V+1
+  std::vector<std::int32_t> neighbour;  // the vertex itself is left out
+  std::vector<double> k;
+  std::vector<double> own;             // #V
+  std::vector<std::uint8_t> boundary;  // #V
+  struct Ball {
+    Eigen::Vector3f centre;
+    float radius;
+  };
+  std::vector<Ball> around;  // each tet, with some room [m]
+
+  explicit Coupling(const Domain& domain) {
+    const auto n = static_cast<std::size_t>(domain.mesh.V.rows());
+    mesh::StiffnessPattern pattern =
+        mesh::stiffnessPattern(domain.mesh, std::vector<std::uint8_t>(n, 0));
+    const std::vector<double> lower =
+        mesh::assembleStiffness(domain.mesh, pattern, mesh::edgeStiffness(domain.mesh));
+    tetsOf = std::move(pattern.vertexTets);
+    own.resize(n);
+    first.assign(n + 1, 0);
+    const auto below = [&](std::size_t c) {
+      own[c] = lower[static_cast<std::size_t>(pattern.first[c])];  // the diagonal comes first
+      return std::pair(static_cast<std::size_t>(pattern.first[c]) + 1,
+                       static_cast<std::size_t>(pattern.first[c + 1]));
+    };
+    for (std::size_t c = 0; c < n; ++c) {
+      const auto [begin, end] = below(c);
+      first[c + 1] += static_cast<std::int32_t>(end - begin);
+      for (std::size_t i = begin; i < end; ++i)
+        ++first[static_cast<std::size_t>(pattern.index[i]) + 1];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    neighbour.resize(static_cast<std::size_t>(first.back()));
+    k.resize(neighbour.size());
+    std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+    for (std::size_t c = 0; c < n; ++c) {
+      const auto [begin, end] = below(c);
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto r = static_cast<std::size_t>(pattern.index[i]);
+        for (const auto& [from, to] : {std::pair(r, c), std::pair(c, r)}) {
+          const auto at = static_cast<std::size_t>(next[from]++);
+          neighbour[at] = static_cast<std::int32_t>(to);
+          k[at] = lower[i];
+        }
+      }
+    }
+    around.resize(static_cast<std::size_t>(domain.mesh.T.rows()));
+    parallelFor(domain.mesh.T.rows(), [&](std::int64_t t) {
+      const auto corners = domain.mesh.V(domain.mesh.T.row(t), Eigen::all);
+      const Eigen::RowVector3d centre = corners.colwise().mean();
+      const double radius = (corners.rowwise() - centre).rowwise().norm().maxCoeff();
+      // Coordinates are rounded to 32 bits
+      around[static_cast<std::size_t>(t)] = {
+          centre.transpose().cast<float>(),
+          static_cast<float>(1.001 * radius + 1e-6 * centre.cwiseAbs().maxCoeff())};
+    });
+    boundary.assign(n, 0);
+    for (const std::int32_t v : domain.boundaryF.reshaped())
+      boundary[static_cast<std::size_t>(v)] = 1;
+  }
+};
+
+// Vertices around a row, lengths in reaches from the centre, so that units cancel.
 struct Patch {
   struct Node {
     Vector3 at;
     std::int32_t vertex;
-    bool free = true;  // within reach and not on the boundary
-    std::int32_t row = -1;
-    double line = 0.0;  // the line's field where it is prescribed
+    std::int32_t row = -1;  // within reach and not on the boundary: unknown
+    double line = 0.0;      // the line's field, where it is prescribed and some row asks for it
+    bool lineKnown = false;
   };
-  std::vector<std::array<std::int32_t, 4>> tets;  // nodes of each
+  Vector3 centre;
+  double reach = 1.0;
   std::vector<Node> nodes;
-  std::int32_t rowCount = 0;
+  std::vector<std::int32_t> free;  // node of each row
+  // Nodes beside each row, in the order of Coupling
+  std::vector<std::int32_t> first{0};
+  std::vector<std::int32_t> beside;
+  Arrivals nodeOf;
+
+  std::int32_t add(const Domain& domain, std::int32_t v) {
+    const auto [place, fresh] = nodeOf.add(v);
+    if (fresh) nodes.push_back({(domain.mesh.V.row(v).transpose() - centre) / reach, v});
+    return place;
+  }
+  [[nodiscard]] Eigen::Index rowCount() const { return std::ssize(free); }
 };
 
-// The first tets are those of the points, in their order (once each).
-Patch gather(const Domain& domain, std::span<const WellPoint> points, const Vector3& centre,
-             double reach, std::vector<std::int32_t>& tetOfPoint) {
+Patch gather(const Domain& domain, const Coupling& coupling, std::span<const WellPoint> points,
+             const Vector3& centre, double reach) {
   Patch patch;
-  Arrivals nodeOf;
-  Arrivals seen;
-  std::vector<std::int32_t> queue;
+  patch.centre = centre;
+  patch.reach = reach;
+  patch.nodes.reserve(256);
   for (const WellPoint& point : points) {
-    const auto [place, fresh] = seen.add(point.tet);
-    if (fresh) queue.push_back(point.tet);
-    tetOfPoint.push_back(place);
+    for (int k = 0; k < 4; ++k) (void)patch.add(domain, domain.mesh.T(point.tet, k));
   }
-  // The star of a vertex hangs together through faces, so tets with a corner within reach are found
-  // face by face
-  for (std::size_t i = 0; i < queue.size(); ++i) {
-    std::array<std::int32_t, 4> n{};
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t v = domain.mesh.T(queue[i], k);
-      const auto [place, fresh] = nodeOf.add(v);
-      if (fresh) {
-        const Vector3 at = (domain.mesh.V.row(v).transpose() - centre) / reach;
-        patch.nodes.push_back({at, v, at.squaredNorm() < 1.0, -1, 0.0});
-      }
-      n[static_cast<std::size_t>(k)] = place;
+  for (std::size_t i = 0; i < patch.nodes.size(); ++i) {
+    const auto v = static_cast<std::size_t>(patch.nodes[i].vertex);
+    if (!(patch.nodes[i].at.squaredNorm() < 1.0)) continue;
+    const bool unknown = coupling.boundary[v] == 0;
+    for (auto e = coupling.first[v]; e < coupling.first[v + 1]; ++e) {
+      const std::int32_t n = patch.add(domain, coupling.neighbour[static_cast<std::size_t>(e)]);
+      if (unknown) patch.beside.push_back(n);
     }
-    patch.tets.push_back(n);
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t next = domain.neighbours(queue[i], k);
-      if (next < 0) {
-        for (const int c : mesh::kTetFace[k]) {
-          patch.nodes[static_cast<std::size_t>(n[static_cast<std::size_t>(c)])].free = false;
-        }
-        continue;
-      }
-      const bool within = std::ranges::any_of(mesh::kTetFace[k], [&](int c) {
-        const auto node = static_cast<std::size_t>(n[static_cast<std::size_t>(c)]);
-        return patch.nodes[node].at.squaredNorm() < 1.0;
-      });
-      if (within && seen.add(next).second) queue.push_back(next);
-    }
-  }
-  for (Patch::Node& node : patch.nodes) {
-    if (node.free) node.row = patch.rowCount++;
+    if (!unknown) continue;
+    patch.nodes[i].row = static_cast<std::int32_t>(patch.free.size());
+    patch.free.push_back(static_cast<std::int32_t>(i));
+    patch.first.push_back(static_cast<std::int32_t>(patch.beside.size()));
   }
   return patch;
 }
@@ -124,12 +181,8 @@ Patch gather(const Domain& domain, std::span<const WellPoint> points, const Vect
 struct TetFrame {
   Eigen::Matrix<double, 4, 3> slopes;
   Eigen::Vector4d at;
-  double V;
 
-  TetFrame(const Patch& patch, std::size_t t) {
-    std::array<Vector3, 4> p;
-    for (std::size_t k = 0; k < 4; ++k)
-      p[k] = patch.nodes[static_cast<std::size_t>(patch.tets[t][k])].at;
+  explicit TetFrame(const std::array<Vector3, 4>& p) {
     const Vector3 e1 = p[1] - p[0];
     const Vector3 e2 = p[2] - p[0];
     const Vector3 e3 = p[3] - p[0];
@@ -137,47 +190,99 @@ struct TetFrame {
     slopes.row(2) = e3.cross(e1).transpose() / 6.0;
     slopes.row(3) = e1.cross(e2).transpose() / 6.0;
     slopes.row(0) = -(slopes.row(1) + slopes.row(2) + slopes.row(3));
-    V = std::max(e1.dot(slopes.row(1)), mesh::kFlattest);
-    slopes *= 1.0 / V;
+    slopes *= 1.0 / std::max(e1.dot(slopes.row(1)), mesh::kFlattest);
     for (int k = 0; k < 4; ++k)
       at[k] = -slopes.row(k).dot(p[static_cast<std::size_t>((k + 1) % 4)]);
   }
 };
 
-// Adds the part of a line of the given flux through x that lies inside the tet to the right-hand
-// side
-void addLine(const TetFrame& frame, const Vector3& x, const Vector3& tangent, double flux,
-             const std::array<std::int32_t, 4>& rows, Eigen::VectorXd& b) {
-  const Eigen::Vector4d at = frame.at + frame.slopes * x;
-  const Eigen::Vector4d slope = frame.slopes * tangent;
-  double s0 = -std::numeric_limits<double>::infinity();
-  double s1 = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 4; ++k) {
-    const double s = -at[k] / slope[k];
-    if (slope[k] > 0.0) s0 = std::max(s0, s);
-    if (slope[k] < 0.0) s1 = std::min(s1, s);
-    if (slope[k] == 0.0 && at[k] < 0.0) return;
+double lineField(double r) { return -std::log(r) / (2.0 * std::numbers::pi); }
+
+// Lines of one direction, each with the same flux, close to one that runs through the centre.
+struct Lines {
+  using Across = Eigen::Vector2d;
+
+  Vector3 tangent;
+  Eigen::Matrix<double, 2, 3> across;  // onto the plane that they pierce
+  std::vector<Vector3> through;
+  std::vector<Across> at;  // in that plane
+  double flux = 1.0;       // of each
+  double spread = 0.0;     // how far they are from the centre at most
+
+  Lines(const Vector3& theTangent, std::size_t count)
+      : tangent(theTangent), flux(1.0 / static_cast<double>(count)) {
+    const Vector3 one = tangent.unitOrthogonal();
+    across.row(0) = one.transpose();
+    across.row(1) = tangent.cross(one).transpose();
   }
-  if (!(s1 > s0) || !std::isfinite(s1 - s0)) return;
-  // Coordinates are linear along the piece: its middle stands for it
-  const Eigen::Vector4d middle = at + 0.5 * (s0 + s1) * slope;
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (rows[k] >= 0) b[rows[k]] += flux * (s1 - s0) * middle[static_cast<int>(k)];
+  void add(const Vector3& x) {
+    through.push_back(x);
+    at.emplace_back(across * x);
+    spread = std::max(spread, at.back().norm());
+  }
+  // The lines' field. A vertex of the boundary may lie on a line itself. At most two dozen lines,
+  // none far off: the product of their distances needs one logarithm
+  [[nodiscard]] double fieldAt(const Vector3& p) const {
+    const Across here = across * p;
+    double product = 1.0;
+    for (const Across& line : at) product *= std::max((here - line).squaredNorm(), 0.01);
+    return 0.5 * flux * lineField(product);
+  }
+};
+
+// Adds those parts of lines that lie inside a tet to the right-hand side.
+void addLines(const Domain& domain, const Coupling& coupling, std::int32_t tet, const Lines& lines,
+              Patch& patch, Eigen::VectorXd& b) {
+  const Coupling::Ball& ball = coupling.around[static_cast<std::size_t>(tet)];
+  const Lines::Across here =
+      lines.across * ((ball.centre.cast<double>() - patch.centre) * (1.0 / patch.reach));
+  const double radius = static_cast<double>(ball.radius) / patch.reach;
+  const double most = lines.spread + radius;
+  if (here.squaredNorm() > most * most) return;
+  std::optional<TetFrame> frame;
+  std::array<std::int32_t, 4> rows{};
+  Eigen::Vector4d slope;
+  Eigen::Vector4d run;
+  for (std::size_t i = 0; i < lines.at.size(); ++i) {
+    if ((here - lines.at[i]).squaredNorm() > radius * radius) continue;
+    if (!frame) {
+      std::array<Vector3, 4> corner;
+      for (int k = 0; k < 4; ++k) {
+        const Patch::Node& node =
+            patch.nodes[static_cast<std::size_t>(patch.add(domain, domain.mesh.T(tet, k)))];
+        corner[static_cast<std::size_t>(k)] = node.at;
+        rows[static_cast<std::size_t>(k)] = node.row;
+      }
+      frame.emplace(corner);
+      slope = frame->slopes * lines.tangent;
+      run = slope.cwiseInverse();
+    }
+    const Eigen::Vector4d at = frame->at + frame->slopes * lines.through[i];
+    double s0 = -std::numeric_limits<double>::infinity();
+    double s1 = std::numeric_limits<double>::infinity();
+    bool beside = false;
+    for (int k = 0; k < 4; ++k) {
+      const double s = -at[k] * run[k];
+      if (slope[k] > 0.0) s0 = std::max(s0, s);
+      if (slope[k] < 0.0) s1 = std::min(s1, s);
+      beside = beside || (slope[k] == 0.0 && at[k] < 0.0);
+    }
+    if (beside || !(s1 > s0) || !std::isfinite(s1 - s0)) continue;
+    // Coordinates are linear along the piece: its middle stands for it
+    const Eigen::Vector4d middle = at + 0.5 * (s0 + s1) * slope;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (rows[k] >= 0) b[rows[k]] += lines.flux * (s1 - s0) * middle[static_cast<int>(k)];
+    }
   }
 }
 
-// Most patches have some fifty unknowns. Where large tets meet small ones they have thousands, and
-// the dense factor would take minutes.
+std::optional<Eigen::VectorXd> solve(const Eigen::MatrixXd& lower, const Eigen::VectorXd& b) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(lower);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  return factor.solve(b);
+}
 std::optional<Eigen::VectorXd> solve(const std::vector<Eigen::Triplet<double>>& lower,
                                      const Eigen::VectorXd& b) {
-  constexpr Eigen::Index kDense = 150;
-  if (b.size() <= kDense) {
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(b.size(), b.size());
-    for (const auto& entry : lower) K(entry.row(), entry.col()) += entry.value();
-    const Eigen::LLT<Eigen::MatrixXd> factor(K);
-    if (factor.info() != Eigen::Success) return std::nullopt;
-    return factor.solve(b);
-  }
   Eigen::SparseMatrix<double> K(b.size(), b.size());
   K.setFromTriplets(lower.begin(), lower.end());
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(K);
@@ -185,102 +290,109 @@ std::optional<Eigen::VectorXd> solve(const std::vector<Eigen::Triplet<double>>& 
   return factor.solve(b);
 }
 
-double lineField(double r) { return -std::log(r) / (2.0 * std::numbers::pi); }
-
-double awayFrom(const Vector3& line, const Vector3& tangent, const Vector3& p) {
-  const Vector3 to = p - line;
-  return (to - to.dot(tangent) * tangent).norm();
-}
-
-// A patch solved for lines of shared flux through the points, lengths in reaches
+// A patch solved for lines of shared flux through the points
 struct SolvedPatch {
   Patch patch;
-  std::vector<std::int32_t> tetOfPoint;
-  Vector3 centre;
-  double reach = 1.0;
-  double spread = 0.0;        // of the points about their centre [m]
-  std::vector<Vector3> line;  // a point of each
+  double spread = 0.0;  // of the points about their centre [m]
+  Lines lines;
   std::optional<Eigen::VectorXd> u;
+
+  SolvedPatch(const Vector3& tangent, std::size_t count) : lines(tangent, count) {}
+
+  [[nodiscard]] std::array<Vector3, 4> corners(const Domain& domain, std::int32_t tet) const {
+    std::array<Vector3, 4> p;
+    for (int k = 0; k < 4; ++k)
+      p[static_cast<std::size_t>(k)] =
+          (domain.mesh.V.row(domain.mesh.T(tet, k)).transpose() - patch.centre) / patch.reach;
+    return p;
+  }
 };
 
-SolvedPatch solveAround(const Domain& domain, std::span<const WellPoint> points,
-                        const Vector3& tangent, double h) {
+SolvedPatch solveAround(const Domain& domain, const Coupling& coupling,
+                        std::span<const WellPoint> points, const Vector3& tangent, double h) {
   EC_REQUIRE(!points.empty());
-  SolvedPatch out;
-  const double flux = 1.0 / static_cast<double>(points.size());
-  out.centre = Vector3::Zero();
-  for (const WellPoint& point : points) out.centre += flux * point.p;
+  SolvedPatch out(tangent, points.size());
+  Vector3 centre = Vector3::Zero();
   for (const WellPoint& point : points)
-    out.spread = std::max(out.spread, (point.p - out.centre).norm());
-  out.reach = std::max(kWellReach * h, out.spread + h);
-  out.patch = gather(domain, points, out.centre, out.reach, out.tetOfPoint);
+    centre += 1.0 / static_cast<double>(points.size()) * point.p;
+  for (const WellPoint& point : points)
+    out.spread = std::max(out.spread, (point.p - centre).norm());
+  const double reach = std::max(kWellReach * h, out.spread + h);
+  out.patch = gather(domain, coupling, points, centre, reach);
   Patch& patch = out.patch;
 
   // A line in a common face would count twice or not at all, so each is moved into the tet of its
   // point by a hair
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    Vector3 middle = Vector3::Zero();
-    for (const std::int32_t n : patch.tets[static_cast<std::size_t>(out.tetOfPoint[i])]) {
-      middle += 0.25 * patch.nodes[static_cast<std::size_t>(n)].at;
-    }
-    const Vector3 x = (points[i].p - out.centre) / out.reach;
-    out.line.push_back(x + 1e-6 * (middle - x));
-  }
-  // Exact field where it is prescribed; a vertex of the boundary may lie on a line itself
-  for (Patch::Node& node : patch.nodes) {
-    if (node.free) continue;
-    for (const Vector3& x : out.line)
-      node.line += flux * lineField(std::max(awayFrom(x, tangent, node.at), 0.1));
+  for (const WellPoint& point : points) {
+    const std::array<Vector3, 4> p = out.corners(domain, point.tet);
+    const Vector3 x = (point.p - centre) / reach;
+    out.lines.add(x + 1e-6 * (0.25 * (p[0] + p[1] + p[2] + p[3]) - x));
   }
 
-  std::vector<Eigen::Triplet<double>> K;
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(patch.rowCount);
-  for (std::size_t t = 0; t < patch.tets.size(); ++t) {
-    const TetFrame frame(patch, t);
-    std::array<const Patch::Node*, 4> node{};
-    std::array<std::int32_t, 4> rows{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      node[k] = &patch.nodes[static_cast<std::size_t>(patch.tets[t][k])];
-      rows[k] = node[k]->row;
-    }
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (rows[i] < 0) continue;
-      for (std::size_t j = 0; j < 4; ++j) {
-        if (rows[j] > rows[i]) continue;  // the lower triangle is enough
-        const double k =
-            frame.V *
-            frame.slopes.row(static_cast<int>(i)).dot(frame.slopes.row(static_cast<int>(j)));
-        if (rows[j] >= 0) {
-          K.emplace_back(rows[i], rows[j], k);
-        } else {
-          b[rows[i]] -= k * node[j]->line;
-        }
+  // Most patches have some fifty unknowns. Where large tets meet small ones they have thousands,
+  // and the dense factor would take minutes
+  constexpr Eigen::Index kDense = 150;
+  const Eigen::Index n = patch.rowCount();
+  const bool dense = n <= kDense;
+  Eigen::MatrixXd D;
+  std::vector<Eigen::Triplet<double>> S;
+  if (dense) D = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  Arrivals seen;
+  for (std::int32_t r = 0; r < n; ++r) {
+    const auto at = static_cast<std::size_t>(r);
+    const auto v =
+        static_cast<std::size_t>(patch.nodes[static_cast<std::size_t>(patch.free[at])].vertex);
+    const auto enter = [&](std::int32_t c, double k) {
+      if (dense) {
+        D(r, c) = k;
+      } else {
+        S.emplace_back(r, c, k);
       }
+    };
+    // K in units of the reach
+    enter(r, coupling.own[v] / reach);
+    const std::int32_t* e = coupling.first.data() + v;
+    for (std::int32_t i = 0; i < e[1] - e[0]; ++i) {
+      Patch::Node& other = patch.nodes[static_cast<std::size_t>(
+          patch.beside[static_cast<std::size_t>(patch.first[at] + i)])];
+      const double k = coupling.k[static_cast<std::size_t>(e[0] + i)] / reach;
+      if (other.row >= 0) {
+        if (other.row < r) enter(other.row, k);  // the lower triangle is enough
+        continue;
+      }
+      if (!other.lineKnown) {
+        other.line = out.lines.fieldAt(other.at);
+        other.lineKnown = true;
+      }
+      b[r] -= k * other.line;
     }
-    for (const Vector3& x : out.line) addLine(frame, x, tangent, flux, rows, b);
+    for (auto i = coupling.tetsOf.first[v]; i < coupling.tetsOf.first[v + 1]; ++i) {
+      const std::int32_t tet = coupling.tetsOf.tet[static_cast<std::size_t>(i)];
+      if (seen.add(tet).second) addLines(domain, coupling, tet, out.lines, patch, b);
+    }
   }
-
-  out.u = solve(K, b);
+  out.u = dense ? solve(D, b) : solve(S, b);
   return out;
 }
 
-double radiusOf(const SolvedPatch& solved, std::span<const WellPoint> points, double h) {
+double radiusOf(const Domain& domain, SolvedPatch& solved, std::span<const WellPoint> points,
+                double h) {
   const double guess = kWellC * h;
   if (!solved.u) return guess;
-  const Patch& patch = solved.patch;
+  Patch& patch = solved.patch;
   double reads = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto t = static_cast<std::size_t>(solved.tetOfPoint[i]);
-    const TetFrame frame(patch, t);
-    const Eigen::Vector4d own =
-        frame.at + frame.slopes * ((points[i].p - solved.centre) / solved.reach);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Patch::Node& node = patch.nodes[static_cast<std::size_t>(patch.tets[t][k])];
-      reads += own[static_cast<int>(k)] * (node.row >= 0 ? (*solved.u)[node.row] : node.line);
+  for (const WellPoint& point : points) {
+    const TetFrame frame(solved.corners(domain, point.tet));
+    const Eigen::Vector4d own = frame.at + frame.slopes * ((point.p - patch.centre) / patch.reach);
+    for (int k = 0; k < 4; ++k) {
+      const Patch::Node& node =
+          patch.nodes[static_cast<std::size_t>(patch.add(domain, domain.mesh.T(point.tet, k)))];
+      reads += own[k] * (node.row >= 0 ? (*solved.u)[node.row] : solved.lines.fieldAt(node.at));
     }
   }
   reads /= static_cast<double>(points.size());
-  const double radius = solved.reach * std::exp(-2.0 * std::numbers::pi * reads);
+  const double radius = patch.reach * std::exp(-2.0 * std::numbers::pi * reads);
   if (!std::isfinite(radius)) return std::max(guess, solved.spread);
   return std::clamp(radius, std::max(kLeastWell * guess, 0.9 * solved.spread),
                     guess / kLeastWell + solved.spread);
@@ -288,30 +400,44 @@ double radiusOf(const SolvedPatch& solved, std::span<const WellPoint> points, do
 
 }  // namespace
 
-Well wellAround(const Domain& domain, const WellPoint& point, const Vector3& tangent, double h,
-                double coreRadius) {
+struct WellSolver::Impl {
+  const Domain& domain;
+  std::once_flag once;
+  std::optional<Coupling> made;
+
+  explicit Impl(const Domain& d) : domain(d) {}
+  const Coupling& coupling() {
+    std::call_once(once, [this] { made.emplace(domain); });
+    return *made;
+  }
+};
+
+WellSolver::WellSolver(const Domain& domain) : impl_(std::make_unique<Impl>(domain)) {}
+WellSolver::~WellSolver() = default;
+WellSolver::WellSolver(WellSolver&&) noexcept = default;
+WellSolver& WellSolver::operator=(WellSolver&&) noexcept = default;
+
+Well WellSolver::around(const WellPoint& point, const Vector3& tangent, double h,
+                        double coreRadius) const {
   const std::span<const WellPoint> points(&point, 1);
-  const SolvedPatch solved = solveAround(domain, points, tangent, h);
-  Well out{radiusOf(solved, points, h), {}};
+  SolvedPatch solved = solveAround(impl_->domain, impl_->coupling(), points, tangent, h);
+  Well out{radiusOf(impl_->domain, solved, points, h), {}};
   if (!solved.u || !solved.u->allFinite()) return out;
-  const double nearest = std::max(coreRadius, kNearLine * h) / solved.reach;
-  for (const Patch::Node& node : solved.patch.nodes) {
-    if (node.row < 0) continue;
-    const double r = std::max(awayFrom(solved.line[0], tangent, node.at), nearest);
-    out.errors.push_back({node.vertex, (*solved.u)[node.row] - lineField(r)});
+  const double nearest = std::max(coreRadius, kNearLine * h) / solved.patch.reach;
+  for (std::size_t r = 0; r < solved.patch.free.size(); ++r) {
+    const Patch::Node& node = solved.patch.nodes[static_cast<std::size_t>(solved.patch.free[r])];
+    const double away2 = (solved.lines.across * node.at - solved.lines.at.front()).squaredNorm();
+    out.errors.push_back(
+        {node.vertex, (*solved.u)[static_cast<Eigen::Index>(r)] -
+                          lineField(std::sqrt(std::max(away2, nearest * nearest)))});
   }
   return out;
 }
 
-double wellRadius(const Domain& domain, std::span<const WellPoint> points, const Vector3& tangent,
-                  double h) {
-  return radiusOf(solveAround(domain, points, tangent, h), points, h);
-}
-
-double wellRadius(const Domain& domain, std::int32_t tet, const Vector3& p, const Vector3& tangent,
-                  double h) {
-  const WellPoint point{p, tet};
-  return wellRadius(domain, std::span(&point, 1), tangent, h);
+double WellSolver::radius(std::span<const WellPoint> points, const Vector3& tangent,
+                          double h) const {
+  SolvedPatch solved = solveAround(impl_->domain, impl_->coupling(), points, tangent, h);
+  return radiusOf(impl_->domain, solved, points, h);
 }
 
 }  // namespace ecorche::tissue

@@ -3,6 +3,7 @@
 #include <ecorche/domain/domain.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -26,26 +27,37 @@ struct Well {
   std::vector<LineError> errors;  ///< at the vertices around; empty where the tets cannot tell
 };
 
-/// Solves the tets around the row at p for a straight line of unit flux.
+/// Solves the tets around rows for straight lines of unit flux.
 ///
-/// Its field is −ln(r)/2π. Vertices within kWellReach mean edges of p take what the discrete
-/// equations give when those farther out, and all on the domain's boundary, have that field
-/// exactly; the row then reads −ln(r_e)/2π. This sees the shape of the tets and where in them the
-/// line runs, which a multiple of the mean edge (kWellC h, the answer where the tets are too poor
-/// to tell) does not: docs/algorithms/tissue_fields.md.
+/// A line's field is −ln(r)/2π. Vertices within kWellReach mean edges of the row take what the
+/// discrete equations give when those farther out, and all on the domain's boundary, have that
+/// field exactly; the row then reads −ln(r_e)/2π. This sees the shape of the tets and where in them
+/// the line runs, which a multiple of the mean edge (kWellC h, the answer where the tets are too
+/// poor to tell) does not: docs/algorithms/tissue_fields.md.
 ///
-/// @param tangent     of the line, unit
-/// @param h           mean edge of the row's tet [m]
-/// @param coreRadius  vertices nearer to the line than this have its field at this distance [m]
-[[nodiscard]] Well wellAround(const domain::Domain& domain, const WellPoint& point,
-                              const mesh::Vector3& tangent, double h, double coreRadius);
-/// The radius alone [m].
-[[nodiscard]] double wellRadius(const domain::Domain& domain, std::int32_t tet,
-                                const mesh::Vector3& p, const mesh::Vector3& tangent, double h);
-/// The same for several rows that share the flux of one line, each on a line of its own: their mean
-/// reading.
-[[nodiscard]] double wellRadius(const domain::Domain& domain, std::span<const WellPoint> points,
-                                const mesh::Vector3& tangent, double h);
+/// The domain's stiffness is made when it is first asked for. Safe to use from several threads.
+/// Keeps a reference to the domain.
+class WellSolver {
+ public:
+  explicit WellSolver(const domain::Domain& domain);
+  ~WellSolver();
+  WellSolver(WellSolver&&) noexcept;
+  WellSolver& operator=(WellSolver&&) noexcept;
+
+  /// @param tangent     of the line, unit
+  /// @param h           mean edge of the row's tet [m]
+  /// @param coreRadius  vertices nearer to the line than this have its field at this distance [m]
+  [[nodiscard]] Well around(const WellPoint& point, const mesh::Vector3& tangent, double h,
+                            double coreRadius) const;
+  /// The radius alone [m], of several rows that share the flux of one line, each on a line of its
+  /// own: their mean reading.
+  [[nodiscard]] double radius(std::span<const WellPoint> points, const mesh::Vector3& tangent,
+                              double h) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// How far around a row the tets are solved, in mean edges [unitless].
 inline constexpr double kWellReach = 1.5;
