@@ -7,19 +7,19 @@
 
 namespace ecorche::tissue {
 
-namespace {
-
-double corrected(double f, double off, bool own, double target) {
+double correctedNearCurve(double f, double off, bool own, double target) {
   const double c = std::max(f - off, std::min(f, 0.0));
   return own ? std::min(c, std::max(f, target)) : c;
 }
 
-}  // namespace
-
-void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
-                       std::span<const double> targets, FieldMatrix& values) {
+UncorrectedRows correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
+                                  std::span<const double> targets, FieldMatrix& values) {
   EC_REQUIRE_EQ(targets.size(), cores.samples.size());
-  if (cores.nearCurves.empty()) return;
+  UncorrectedRows before;
+  for (const NearCurve& near : cores.nearCurves) before.vertex.push_back(near.vertex);
+  std::ranges::sort(before.vertex);
+  before.vertex.erase(std::ranges::unique(before.vertex).begin(), before.vertex.end());
+  before.values = values(before.vertex, Eigen::all);
 
   // Flux per length of every sample in every field, before anything is changed
   FieldMatrix q(static_cast<Eigen::Index>(cores.samples.size()), values.cols());
@@ -37,9 +37,10 @@ void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
     const Eigen::Index own = cores.samples[s].tissue.value - kFat.value;
     auto f = values.row(near.vertex);
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
-      f[j] = corrected(f[j], near.error * q(near.sample, j), j == own, targets[s]);
+      f[j] = correctedNearCurve(f[j], near.error * q(near.sample, j), j == own, targets[s]);
     }
   }
+  return before;
 }
 
 void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
@@ -56,8 +57,8 @@ void correctNearCurves(const domain::Domain& domain, const CoreSamples& cores,
   }
   for (const NearCurve& near : cores.nearCurves) {
     const auto s = static_cast<std::size_t>(near.sample);
-    f[near.vertex] = corrected(f[near.vertex], near.error * q[s], cores.samples[s].tissue == field,
-                               targets[near.sample]);
+    f[near.vertex] = correctedNearCurve(f[near.vertex], near.error * q[s],
+                                        cores.samples[s].tissue == field, targets[near.sample]);
   }
 }
 

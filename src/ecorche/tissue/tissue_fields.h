@@ -45,13 +45,20 @@ struct CoreSamples {
       coveredShare;  ///< per tissue: share of its curves' length that lies in the domain
 };
 
+/// Rows of fields as the equations gave them, where something was corrected afterwards.
+struct UncorrectedRows {
+  std::vector<std::int32_t> vertex;  ///< ascending
+  FieldMatrix values;                ///< #vertex×(#tissues + 1)
+};
+
 struct TissueFields {
-  FieldMatrix values;          ///< #V×(#tissues + 1)
-  bool fatIsCandidate = true;  ///< false where TissueOptions::fat is 0
-  double maxValue = 0.0;       ///< largest tissue value and fat, the scale for tolerances
-  double undershoot = 0.0;     ///< how far any field falls below 0, over maxValue
-  double overshoot = 0.0;      ///< how far any field exceeds its own largest value, over maxValue
-  Findings findings;           ///< slivers whose part in the energy was capped
+  FieldMatrix values;           ///< #V×(#tissues + 1)
+  UncorrectedRows uncorrected;  ///< near curves
+  bool fatIsCandidate = true;   ///< false where TissueOptions::fat is 0
+  double maxValue = 0.0;        ///< largest tissue value and fat, the scale for tolerances
+  double undershoot = 0.0;      ///< how far any field falls below 0, over maxValue
+  double overshoot = 0.0;       ///< how far any field exceeds its own largest value, over maxValue
+  Findings findings;            ///< slivers whose part in the energy was capped
 };
 
 }  // namespace ecorche::tissue

@@ -243,6 +243,9 @@ TissueSolver::TissueSolver(TissueSolver&&) noexcept = default;
 TissueSolver& TissueSolver::operator=(TissueSolver&&) noexcept = default;
 TissueSolver::~TissueSolver() = default;
 
+const domain::Domain& TissueSolver::domain() const { return impl_->domain; }
+const mesh::StiffnessPattern& TissueSolver::pattern() const { return impl_->pattern; }
+const std::vector<double>& TissueSolver::stiffness() const { return impl_->L; }
 double TissueSolver::factorEntries() const { return impl_->symbolic->factorEntries(); }
 
 Result<TissueSolver> TissueSolver::create(const Domain& domain, RunContext& run) {
@@ -442,7 +445,7 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
     }
   });
 
-  correctNearCurves(I.domain, cores, target, out.values);
+  out.uncorrected = correctNearCurves(I.domain, cores, target, out.values);
 
   // How far poor tets break the maximum principle
   if (out.maxValue > 0.0) {

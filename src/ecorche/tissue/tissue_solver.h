@@ -67,6 +67,11 @@ class TissueSolver {
   /// What the curves leave of fat: 1 on skin, as it comes from the equations, #V×1.
   [[nodiscard]] Eigen::MatrixXd solveFat(const Factor& factor, const CoreSamples& cores) const;
 
+  [[nodiscard]] const domain::Domain& domain() const;
+  /// Of every matrix that it factors: rows are the vertices that are not skin.
+  [[nodiscard]] const mesh::StiffnessPattern& pattern() const;
+  /// Isotropic energy of the fields, without curves, on the pattern.
+  [[nodiscard]] const std::vector<double>& stiffness() const;
   /// Entries of the factor, for reports.
   [[nodiscard]] double factorEntries() const;
 

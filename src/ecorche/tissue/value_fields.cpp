@@ -1,5 +1,6 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
+#include <ecorche/tissue/moved_fields.h>
 #include <ecorche/tissue/near_curves.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/value_fields.h>
@@ -77,12 +78,22 @@ struct ValueFields::Impl {
   std::vector<double> rival;
   std::vector<std::int32_t> rivalField;  // -1: there is none
 
+  // Curves that were moved
+  std::shared_ptr<const CurveWalker> walker;
+  std::shared_ptr<DragGround> ground;
+  std::unique_ptr<MovedFields> moving;
+  std::vector<CurveTissue> settled;  // tissues that the factor is of
+  bool adrift = false;
+
   Eigen::VectorXd lastTold;   // its values as Changed last told of them
   Eigen::VectorXd corrected;  // of the last edit
 
   [[nodiscard]] Eigen::Index vertexCount() const { return domain->mesh.V.rows(); }
   void findRivals(Eigen::Index field);
   Changed take(Eigen::Index field);
+  void keepUncorrected(Eigen::Index field, const Eigen::VectorXd& raw);
+  void stand();
+  std::vector<std::int32_t> begin(std::vector<CurveRef> curves);
   [[nodiscard]] Basis& basisOf(std::size_t tissue);
   [[nodiscard]] Result<void> solveFor(Basis& basis, const std::vector<Eigen::Index>& points,
                                       RunContext& run) const;
@@ -103,7 +114,8 @@ double ValueFields::fat() const { return impl_->options.fat; }
 Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> domain,
                                         std::shared_ptr<const TissueSolver> solver,
                                         CoreSamples cores, std::vector<CurveTissue> tissues,
-                                        TissueOptions options, RunContext& run) {
+                                        TissueOptions options, RunContext& run,
+                                        std::shared_ptr<const CurveWalker> walker) {
   const Stage stage(run, "tissue fields");
   auto impl = std::make_unique<Impl>();
   impl->domain = std::move(domain);
@@ -111,6 +123,7 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
   impl->cores = std::move(cores);
   impl->tissues = std::move(tissues);
   impl->options = options;
+  impl->walker = std::move(walker);
   auto factor = impl->solver->factorise(impl->cores, options, run);
   if (!factor) return passOn(factor);
   impl->factor = std::move(*factor);
@@ -191,6 +204,7 @@ ValueFields::Changed ValueFields::Impl::take(Eigen::Index field) {
     out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
     out.owners += part.owners;
   }
+  out.fields.push_back(static_cast<std::int32_t>(field));
   return out;
 }
 
@@ -269,6 +283,7 @@ Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
                                                     const std::vector<std::vector<double>>& values,
                                                     RunContext& run) {
   Impl& I = *impl_;
+  EC_REQUIRE(!I.adrift);
   Basis& basis = I.basisOf(tissue);
   CurveTissue& own = I.tissues[tissue];
   EC_REQUIRE_EQ(values.size(), own.curves.size());
@@ -301,6 +316,7 @@ Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
   basis.D = D;
   const Eigen::VectorXd target = basis.hat * D;
   I.corrected = basis.raw;
+  I.keepUncorrected(basis.field, basis.raw);
   correctNearCurves(*I.domain, I.cores, target, TissueId(basis.field + 1), I.corrected);
   return I.take(basis.field);
 }
@@ -308,6 +324,7 @@ Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
 ValueFields::Changed ValueFields::setFat(double fat) {
   EC_REQUIRE(fat >= 0.0);
   Impl& I = *impl_;
+  EC_REQUIRE(!I.adrift);
   if (!I.phiFat) I.phiFat = I.solver->solveFat(I.factor, I.cores);
   I.options.fat = fat;
   I.fields.fatIsCandidate = fat > 0.0;
@@ -320,8 +337,72 @@ ValueFields::Changed ValueFields::setFat(double fat) {
   const Eigen::VectorXd target =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(I.cores.samples.size()));
   I.corrected = fat * I.phiFat->col(0);
+  I.keepUncorrected(0, I.corrected);
   correctNearCurves(*I.domain, I.cores, target, kFat, I.corrected);
   return I.take(0);
+}
+
+void ValueFields::Impl::keepUncorrected(Eigen::Index field, const Eigen::VectorXd& raw) {
+  moving.reset();  // it stands on what was settled before
+  UncorrectedRows& rows = fields.uncorrected;
+  for (std::size_t k = 0; k < rows.vertex.size(); ++k)
+    rows.values(static_cast<Eigen::Index>(k), field) = raw[rows.vertex[k]];
+}
+
+// What every move stands on.
+void ValueFields::Impl::stand() {
+  if (!walker) walker = std::make_shared<const CurveWalker>(*domain);
+  if (!ground) ground = std::make_shared<DragGround>(solver, factor, cores);
+}
+
+std::vector<std::int32_t> ValueFields::Impl::begin(std::vector<CurveRef> curves) {
+  stand();
+  if (!adrift) settled = tissues;
+  std::vector<std::int32_t> back;
+  if (moving) back = moving->restore();
+  moving = std::make_unique<MovedFields>(*domain, ground, *walker, cores, settled, options,
+                                         std::move(curves), fields, owner);
+  return back;
+}
+
+bool ValueFields::isAdrift() const { return impl_->adrift; }
+
+void ValueFields::prepareMove(const std::vector<CurveRef>& curves) {
+  Impl& I = *impl_;
+  if (!I.factor || I.adrift || (I.moving && I.moving->moved() == curves)) return;
+  I.stand();
+  if (!curves.empty()) (void)I.begin(curves);
+}
+
+ValueFields::Changed ValueFields::moveCurves(const std::vector<CurveMove>& moves) {
+  Impl& I = *impl_;
+  if (moves.empty() || !I.factor) return {};
+  std::vector<CurveRef> wanted;
+  if (I.moving) wanted = I.moving->moved();
+  bool anew = !I.moving;
+  for (const CurveMove& move : moves) {
+    if (std::ranges::find(wanted, move.curve) != wanted.end()) continue;
+    // Only prepared so far: nobody has moved those curves
+    if (!I.adrift && !anew) wanted.clear();
+    wanted.push_back(move.curve);
+    anew = true;
+  }
+  std::vector<std::int32_t> back;
+  if (anew) back = I.begin(std::move(wanted));
+  for (const CurveMove& move : moves) {
+    I.tissues[move.curve.tissue].curves[static_cast<std::size_t>(move.curve.curve)].spline =
+        move.spline;
+  }
+  std::vector<mesh::Spline> splines;
+  for (const CurveRef& ref : I.moving->moved())
+    splines.push_back(I.tissues[ref.tissue].curves[static_cast<std::size_t>(ref.curve)].spline);
+  I.adrift = true;
+  I.rivalsOf = -1;
+  I.ready.clear();
+  MovedFields::Told told = I.moving->move(splines);
+  Changed out{{}, told.owners, std::move(told.fields), told.error};
+  std::ranges::set_union(told.vertices, back, std::back_inserter(out.vertices));
+  return out;
 }
 
 }  // namespace ecorche::tissue

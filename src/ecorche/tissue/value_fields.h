@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/domain/domain.h>
+#include <ecorche/tissue/curve_drag.h>
 #include <ecorche/tissue/tissue_solver.h>
 
 #include <Eigen/Core>
@@ -19,7 +20,9 @@ namespace ecorche::tissue {
 /// needs none. Owners come along: a tissue's field is compared with the largest of the others,
 /// which is looked for once whenever another tissue is edited.
 ///
-/// After any edits fields are those of a solve from scratch, to rounding.
+/// After any edits of values and fat, fields are those of a solve from scratch, to rounding. Curves
+/// may be moved, too: fields follow within a frame, good enough to look at, until somebody has
+/// solved for them.
 class ValueFields {
  public:
   /// Solves the fields. Keeps the solver and everything else that it is given.
@@ -28,7 +31,8 @@ class ValueFields {
                                                   std::shared_ptr<const TissueSolver> solver,
                                                   CoreSamples cores,
                                                   std::vector<CurveTissue> tissues,
-                                                  TissueOptions options, RunContext& run);
+                                                  TissueOptions options, RunContext& run,
+                                                  std::shared_ptr<const CurveWalker> walker = {});
   ValueFields(ValueFields&&) noexcept;
   ValueFields& operator=(ValueFields&&) noexcept;
   ~ValueFields();
@@ -45,7 +49,10 @@ class ValueFields {
     /// Where the owner is another one, or the field has gone on by more than kTold since it was
     /// last told, ascending: what a picture has to take anew.
     std::vector<std::int32_t> vertices;
-    std::int64_t owners = 0;  ///< at how many of them the owner is another one
+    std::int64_t owners = 0;           ///< at how many of them the owner is another one
+    std::vector<std::int32_t> fields;  ///< columns that changed
+    double error =
+        0.0;  ///< of moved curves, over the largest value: what is left to do is of its size
   };
   static constexpr double kTold = 1e-5;  ///< of the largest value
 
@@ -60,6 +67,20 @@ class ValueFields {
                                           RunContext& run);
   /// @param fat  value on skin [unitless, ≥ 0]; 0: fat owns nothing
   [[nodiscard]] Changed setFat(double fat);
+
+  struct CurveMove {
+    CurveRef curve;
+    mesh::Spline spline;  ///< as many points as before
+  };
+  /// Curves of isotropic tissues that a hand moves (curve_drag.h). Those moved before stay where
+  /// they were left; fields of anisotropic tissues stay as they are. Values and fat cannot be
+  /// edited from then on.
+  [[nodiscard]] Changed moveCurves(const std::vector<CurveMove>& moves);
+  /// What moving these curves needs, made before the first frame asks for it; of none, what moving
+  /// any does.
+  void prepareMove(const std::vector<CurveRef>& curves);
+  /// Whether curves have been moved since the fields were solved.
+  [[nodiscard]] bool isAdrift() const;
 
  private:
   struct Impl;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <ecorche/mesh/tree_solver.h>
+#include <ecorche/tissue/tissue_solver.h>
+
+#include <memory>
+#include <vector>
+
+namespace ecorche::tissue {
+
+/// What every drag from one settled state stands on: its factor in 32 bits, its matrix row by row.
+struct DragGround {
+  std::shared_ptr<const TissueSolver> solver;
+  mesh::TreeSolver<float> tree;
+  std::vector<double> K;  ///< on the solver's pattern, rows of all curves in it
+  /// Neighbours of every row, both ways: entries neighbour[first[r]] … and where their value lies
+  /// in K. The diagonal is left out.
+  std::vector<std::int32_t> first;
+  std::vector<std::int32_t> neighbour;
+  std::vector<std::int32_t> slot;
+
+  /// @param factor  of these cores, by this solver; not null
+  DragGround(std::shared_ptr<const TissueSolver> solver, const TissueSolver::Factor& factor,
+             const CoreSamples& cores);
+};
+
+/// K += times · Bᵀ W B of some rows.
+void addRows(const domain::Domain& domain, const mesh::StiffnessPattern& pattern,
+             const std::vector<CoreSample>& samples, double times, std::vector<double>& K);
+
+}  // namespace ecorche::tissue

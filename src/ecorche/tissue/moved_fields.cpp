@@ -1,0 +1,227 @@
+#include <ecorche/core/contract.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/tissue/moved_fields.h>
+#include <ecorche/tissue/near_curves.h>
+#include <ecorche/tissue/segmentation.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <utility>
+
+namespace ecorche::tissue {
+
+namespace {
+
+constexpr std::int64_t kGrain = 512;
+
+// A row that something near it corrects: by which sample, of the settled ones or of the moved
+struct Correction {
+  std::int32_t vertex;
+  const NearCurve* near;
+  const CoreSample* sample;
+  double target;
+};
+
+}  // namespace
+
+struct MovedFields::Impl {
+  const domain::Domain& domain;
+  const CoreSamples& cores;
+  TissueFields& fields;
+  std::vector<TissueId>& owner;
+  std::unique_ptr<CurveDrag> drag;
+
+  std::vector<NearCurve> others;            // of curves that stay, by vertex
+  std::vector<double> target;               // #samples of cores
+  std::vector<std::int32_t> wereNear;       // vertices near where the moved curves were
+  std::vector<std::int32_t> uncorrectedAt;  // #V, row of fields.uncorrected; −1
+
+  // What was settled, of every vertex that was written over
+  std::vector<std::int32_t> savedAt;  // #V; −1: as it was
+  std::vector<std::int32_t> savedVertex;
+  std::vector<double> saved;  // rows, one after another
+  std::vector<TissueId> savedOwner;
+
+  std::vector<std::int32_t> changed;  // vertices that differ from settled now
+  std::vector<std::int32_t> changedFields;
+  std::vector<std::int32_t> inFrame;  // #V, row of the frame's change; −1
+
+  Impl(const domain::Domain& d, const CoreSamples& c, TissueFields& f, std::vector<TissueId>& o)
+      : domain(d), cores(c), fields(f), owner(o) {}
+
+  [[nodiscard]] Eigen::Index width() const { return fields.values.cols(); }
+  // Rows as they were settled, as drawn and as the equations gave them
+  [[nodiscard]] const double* settled(std::int32_t v) const {
+    const std::int32_t at = savedAt[static_cast<std::size_t>(v)];
+    return at < 0 ? fields.values.row(v).data() : saved.data() + at * width();
+  }
+  [[nodiscard]] const double* raw(std::int32_t v) const {
+    const std::int32_t at = uncorrectedAt[static_cast<std::size_t>(v)];
+    return at < 0 ? settled(v) : fields.uncorrected.values.row(at).data();
+  }
+  template <class Row>
+  void writeRaw(std::int32_t v, const CurveDrag::Frame& frame, Row&& f) const {
+    f = Eigen::Map<const Eigen::RowVectorXd>(raw(v), width());
+    const std::int32_t at = inFrame[static_cast<std::size_t>(v)];
+    if (at < 0) return;
+    for (std::size_t j = 0; j < frame.fields.size(); ++j)
+      f[frame.fields[j]] += static_cast<double>(frame.change(at, static_cast<Eigen::Index>(j)));
+  }
+  [[nodiscard]] Eigen::RowVectorXd rawNow(std::int32_t v, const CurveDrag::Frame& frame) const {
+    Eigen::RowVectorXd f(width());
+    writeRaw(v, frame, f);
+    return f;
+  }
+  // Ascending
+  [[nodiscard]] std::vector<std::int32_t> touched(const CurveDrag::Frame& frame) const {
+    std::vector<std::uint64_t> bits((savedAt.size() + 63) / 64, 0);
+    const auto mark = [&](std::int32_t v) {
+      const auto i = static_cast<std::size_t>(v);
+      bits[i / 64] |= std::uint64_t(1) << (i % 64);
+    };
+    for (const std::int32_t v : frame.vertices) mark(v);
+    for (const std::int32_t v : wereNear) mark(v);
+    for (const NearCurve& near : frame.nearCurves) mark(near.vertex);
+    std::vector<std::int32_t> out;
+    for (std::size_t word = 0; word < bits.size(); ++word) {
+      for (std::uint64_t left = bits[word]; left != 0; left &= left - 1)
+        out.push_back(static_cast<std::int32_t>(64 * word) + std::countr_zero(left));
+    }
+    return out;
+  }
+  void save(std::int32_t v) {
+    std::int32_t& at = savedAt[static_cast<std::size_t>(v)];
+    if (at >= 0) return;
+    at = static_cast<std::int32_t>(savedVertex.size());
+    savedVertex.push_back(v);
+    const auto row = fields.values.row(v);
+    saved.insert(saved.end(), row.data(), row.data() + width());
+    savedOwner.push_back(owner[static_cast<std::size_t>(v)]);
+  }
+  void putBack(std::int32_t v) {
+    const auto at = static_cast<std::size_t>(savedAt[static_cast<std::size_t>(v)]);
+    fields.values.row(v) = Eigen::Map<const Eigen::RowVectorXd>(settled(v), width());
+    owner[static_cast<std::size_t>(v)] = savedOwner[at];
+  }
+};
+
+MovedFields::MovedFields(const domain::Domain& domain, std::shared_ptr<DragGround> ground,
+                         const CurveWalker& walker, const CoreSamples& cores,
+                         const std::vector<CurveTissue>& tissues, const TissueOptions& options,
+                         std::vector<CurveRef> moved, TissueFields& fields,
+                         std::vector<TissueId>& owner)
+    : impl_(std::make_unique<Impl>(domain, cores, fields, owner)) {
+  Impl& I = *impl_;
+  const auto vertexCount = static_cast<std::size_t>(fields.values.rows());
+  I.savedAt.assign(vertexCount, -1);
+  I.inFrame.assign(vertexCount, -1);
+  I.uncorrectedAt.assign(vertexCount, -1);
+  for (std::size_t k = 0; k < fields.uncorrected.vertex.size(); ++k)
+    I.uncorrectedAt[static_cast<std::size_t>(fields.uncorrected.vertex[k])] =
+        static_cast<std::int32_t>(k);
+  for (const CoreSample& s : cores.samples) {
+    const TissueCurve& curve =
+        tissues[static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value)]
+            .curves[static_cast<std::size_t>(s.curve)];
+    I.target.push_back(curve.spline.interpolate(curve.values, s.u));
+  }
+  for (const NearCurve& near : cores.nearCurves) {
+    const CoreSample& s = cores.samples[static_cast<std::size_t>(near.sample)];
+    const CurveRef of{static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value), s.curve};
+    if (std::ranges::find(moved, of) == moved.end()) {
+      I.others.push_back(near);
+    } else {
+      I.wereNear.push_back(near.vertex);
+    }
+  }
+  std::ranges::stable_sort(I.others, {}, &NearCurve::vertex);
+  I.drag = std::make_unique<CurveDrag>(
+      std::move(ground), walker, cores, tissues, options, std::move(moved),
+      [impl = impl_.get()](std::int32_t v) { return impl->raw(v); });
+}
+MovedFields::~MovedFields() = default;
+
+const std::vector<CurveRef>& MovedFields::moved() const { return impl_->drag->moved(); }
+
+MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
+  Impl& I = *impl_;
+  CurveDrag::Frame frame = I.drag->move(splines);
+
+  // Beside what changed: where a correction came or went
+  for (std::size_t i = 0; i < frame.vertices.size(); ++i)
+    I.inFrame[static_cast<std::size_t>(frame.vertices[i])] = static_cast<std::int32_t>(i);
+  const std::vector<std::int32_t> vertices = I.touched(frame);
+  for (const std::int32_t v : vertices) I.save(v);
+
+  std::vector<Correction> corrections;
+  {
+    auto here = vertices.begin();
+    for (const NearCurve& near : I.others) {
+      here = std::lower_bound(here, vertices.end(), near.vertex);
+      if (here == vertices.end()) break;
+      if (*here != near.vertex) continue;
+      const auto s = static_cast<std::size_t>(near.sample);
+      corrections.push_back({near.vertex, &near, &I.cores.samples[s], I.target[s]});
+    }
+    for (const NearCurve& near : frame.nearCurves) {
+      const auto s = static_cast<std::size_t>(near.sample);
+      corrections.push_back({near.vertex, &near, &frame.samples[s], frame.targets[s]});
+    }
+    std::ranges::stable_sort(corrections, {}, &Correction::vertex);
+  }
+
+  Told out;
+  std::vector<std::int32_t> back;
+  std::ranges::set_difference(I.changed, vertices, std::back_inserter(back));
+  std::atomic<std::int64_t> owners = 0;
+  for (const std::int32_t v : back) {
+    const TissueId before = I.owner[static_cast<std::size_t>(v)];
+    I.putBack(v);
+    if (I.owner[static_cast<std::size_t>(v)] != before) ++owners;
+  }
+  parallelFor(
+      std::ssize(vertices),
+      [&](std::int64_t i) {
+        const std::int32_t v = vertices[static_cast<std::size_t>(i)];
+        auto f = I.fields.values.row(v);
+        I.writeRaw(v, frame, f);
+        for (auto c = std::ranges::lower_bound(corrections, v, {}, &Correction::vertex);
+             c != corrections.end() && c->vertex == v; ++c) {
+          // Flux into every field: W/ℓ (δ D − B f)
+          Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(f.size());
+          for (int k = 0; k < 4; ++k)
+            q -= c->sample->barycentric[k] * I.rawNow(I.domain.mesh.T(c->sample->tet, k), frame);
+          const Eigen::Index own = c->sample->tissue.value - kFat.value;
+          q[own] += c->target;
+          q *= c->sample->weight / c->sample->length;
+          for (Eigen::Index j = 0; j < f.size(); ++j)
+            f[j] = correctedNearCurve(f[j], c->near->error * q[j], j == own, c->target);
+        }
+        for (const Eigen::Index j : I.drag->frozen()) f[j] = I.settled(v)[j];
+        const TissueId now = ownerOf(f, I.fields.fatIsCandidate);
+        TissueId& owner = I.owner[static_cast<std::size_t>(v)];
+        if (now != owner) {
+          owner = now;
+          owners.fetch_add(1, std::memory_order_relaxed);
+        }
+      },
+      kGrain);
+  for (const std::int32_t v : frame.vertices) I.inFrame[static_cast<std::size_t>(v)] = -1;
+
+  std::ranges::merge(vertices, back, std::back_inserter(out.vertices));
+  std::ranges::set_union(frame.fields, I.changedFields, std::back_inserter(out.fields));
+  out.owners = owners;
+  out.error = frame.lastStep;
+  I.changed = vertices;
+  I.changedFields = std::move(frame.fields);
+  return out;
+}
+
+std::vector<std::int32_t> MovedFields::restore() {
+  for (const std::int32_t v : impl_->changed) impl_->putBack(v);
+  impl_->changedFields.clear();
+  return std::exchange(impl_->changed, {});
+}
+
+}  // namespace ecorche::tissue
