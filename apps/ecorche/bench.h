@@ -9,6 +9,7 @@ namespace ecorche::cli {
 /// The form of every bench (DESIGN, command line): its name, the machine, and no case yet.
 [[nodiscard]] nlohmann::ordered_json benchHeader(const char* bench);
 
+void addBenchDrag(CLI::App& bench, Commands& commands);
 void addBenchStrokes(CLI::App& bench, Commands& commands);
 void addBenchValues(CLI::App& bench, Commands& commands);
 

@@ -1,0 +1,160 @@
+#include <ecorche/core/files.h>
+#include <ecorche/core/parallel.h>
+#include <ecorche/engine/bench_drag.h>
+#include <ecorche/model/project_file.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "bench.h"
+#include "counts.h"
+#include "table.h"
+
+namespace ecorche::cli {
+
+namespace {
+
+struct DragArguments {
+  std::string project;
+  std::string script;
+  std::string tets;
+  int checked = 20;
+  bool withoutSimplicial = false;
+};
+
+// {"drags": [{"name", "muscle", "curve", "point", "frames", "path_rel"}]}, curve and point from 1
+Result<std::vector<engine::DragScript>> loadDrags(const std::string& file) {
+  const auto bytes = readFile(file);
+  if (!bytes) return passOn(bytes);
+  try {
+    std::vector<engine::DragScript> out;
+    const auto json = nlohmann::json::parse(*bytes);
+    for (const auto& drag : json.at("drags")) {
+      engine::DragScript script;
+      script.name = drag.at("name").get<std::string>();
+      script.muscle = drag.at("muscle").get<std::string>();
+      script.curve = drag.at("curve").get<std::size_t>() - 1;
+      script.point = drag.at("point").get<std::size_t>() - 1;
+      script.frames = drag.at("frames").get<int>();
+      for (const auto& p : drag.at("path_rel"))
+        script.path.emplace_back(p.at(0).get<double>(), p.at(1).get<double>(),
+                                 p.at(2).get<double>());
+      out.push_back(std::move(script));
+    }
+    return out;
+  } catch (const nlohmann::json::exception& e) {
+    return fail(ErrorCode::FileSyntax,
+                fmt::format("{}: not a list of drags ({}); bench/drags/left-39.json shows one",
+                            file, e.what()),
+                {.object = file});
+  }
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::ranges::max_element(values);
+}
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+Result<void> runDrag(const DragArguments& args, Session& session) {
+  const auto project = model::loadProject(args.project);
+  if (!project) return passOn(project);
+  const auto scripts = loadDrags(args.script);
+  if (!scripts) return passOn(scripts);
+  std::optional<std::int64_t> tets;
+  if (!args.tets.empty()) {
+    const auto count = parseCount(args.tets);
+    if (!count) return passOn(count);
+    tets = *count;
+  }
+  const auto bench = engine::benchDrag(*project, tets, *scripts, args.checked,
+                                       !args.withoutSimplicial, session.run);
+  if (!bench) return passOn(bench);
+
+  auto json = benchHeader("drag");
+  Table table({{"drag", Table::Align::Left},
+               {"p50 ms", Table::Align::Right},
+               {"p95 ms", Table::Align::Right},
+               {"max ms", Table::Align::Right},
+               {"start ms", Table::Align::Right},
+               {"solving again ms", Table::Align::Right},
+               {"faster", Table::Align::Right},
+               {"fields off, %", Table::Align::Right},
+               {"median", Table::Align::Right},
+               {"owners off, %", Table::Align::Right},
+               {"written, %", Table::Align::Right},
+               {"checked", Table::Align::Right}});
+  for (const engine::DragRun& drag : bench->runs) {
+    const double p95 = drag.frame.quantile(0.95);
+    const double again = drag.again.quantile(0.5);
+    nlohmann::ordered_json ratios = {{"vs_cholmod_refactor", again / p95}};
+    if (bench->simplicial) ratios["vs_simplicial_ldlt"] = *bench->simplicial / p95;
+    json["cases"].push_back(
+        {{"name", drag.name},
+         {"tets", bench->tets},
+         {"muscles", bench->tissues},
+         {"threads", threadCount()},
+         {"metrics",
+          {{"free_vertices", bench->freeVertices},
+           {"p50_ms", 1e3 * drag.frame.quantile(0.5)},
+           {"p95_ms", 1e3 * p95},
+           {"max_ms", 1e3 * drag.frame.quantile(1.0)},
+           {"start_ms", 1e3 * drag.begin},
+           {"ground_ms", 1e3 * bench->ground},
+           {"cholmod_refactor_ms", 1e3 * again},
+           {"frames_checked", drag.fieldError.size()},
+           {"frames_outside", drag.unchecked}}},
+         {"ratios", ratios},
+         {"errors",
+          {{"field_rel", largest(drag.fieldError)}, {"owner_share", largest(drag.ownerShare)}}}});
+    table.add({drag.name, fmt::format("{:.1f}", 1e3 * drag.frame.quantile(0.5)),
+               fmt::format("{:.1f}", 1e3 * p95),
+               fmt::format("{:.1f}", 1e3 * drag.frame.quantile(1.0)),
+               fmt::format("{:.0f}", 1e3 * drag.begin), fmt::format("{:.0f}", 1e3 * again),
+               fmt::format("{:.0f} times", again / p95),
+               fmt::format("{:.2f}", 100.0 * largest(drag.fieldError)),
+               fmt::format("{:.2f}", 100.0 * median(drag.fieldError)),
+               fmt::format("{:.3f}", 100.0 * largest(drag.ownerShare)),
+               fmt::format("{:.1f}", 100.0 * median(drag.changedShare)),
+               fmt::format("{} of {}", drag.fieldError.size(),
+                           drag.fieldError.size() + static_cast<std::size_t>(drag.unchecked))});
+  }
+  if (session.globals.json) {
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{} tets, {} free vertices, {} tissues; made once for all drags: {:.0f} ms\n",
+               bench->tets, bench->freeVertices, bench->tissues, 1e3 * bench->ground);
+    if (bench->simplicial)
+      fmt::print("Eigen's SimplicialLDLT, factor and all fields: {:.1f} s\n", *bench->simplicial);
+    fmt::print("\n{}", table.text());
+  }
+  return {};
+}
+
+}  // namespace
+
+void addBenchDrag(CLI::App& bench, Commands& commands) {
+  auto args = std::make_shared<DragArguments>();
+  CLI::App* drag =
+      bench.add_subcommand("drag", "How fast and how right fields follow a dragged curve");
+  drag->add_option("PROJECT", args->project, "Project file (.ecorche)")->required();
+  drag->add_option("DRAGS", args->script, "Recorded drags (JSON; bench/drags has some)")
+      ->required();
+  drag->add_option("--tets", args->tets, "Size of the domain instead of the project's");
+  drag->add_option("--check-every", args->checked,
+                   "Compare every so many frames with solving again")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  drag->add_flag("--without-simplicial", args->withoutSimplicial,
+                 "Leave out Eigen's SimplicialLDLT, which takes long");
+  drag->footer(
+      "Example:\n"
+      "  ecorche bench drag examples/dog/left-39.ecorche bench/drags/left-39.json --tets 640k");
+  commands.push_back({drag, [args](Session& s) { return runDrag(*args, s); }});
+}
+
+}  // namespace ecorche::cli
