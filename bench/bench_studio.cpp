@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
   }
   const std::string muscle = session.project().tissues[0].name;
 
-  std::vector<double> still, solving, values;
+  std::vector<double> still, solving, drags, values;
   bench.grab();
   for (int k = 0; k < 200; ++k) still.push_back(bench.turn());
   // A moved curve: turned all the while, until its answer is there
@@ -131,6 +131,19 @@ int main(int argc, char** argv) {
     ++solves;
   }
   bench.letGo();
+  bench.settle();
+  // A control point under the hand, half a millimetre a frame
+  const auto& dragged = session.project().tissues[0].curves[0].points;
+  const std::size_t inner = dragged.size() / 2;
+  const mesh::Vector3 from = dragged[inner].at;
+  for (int k = 0; k < 200; ++k) {
+    const double way = k < 100 ? 0.0005 * (k + 1) : 0.0005 * (200 - k);
+    drags.push_back(bench.untilDrawn([&] {
+      session.draft({model::MovePoint{muscle, 0, inner, from + mesh::Vector3(way, 0.0, 0.0)}});
+    }));
+  }
+  session.dropDraft();
+  bench.settle();
   const double value = session.project().tissues[0].curves[0].points[1].tissue;
   for (int k = 0; k < 200; ++k) {
     values.push_back(bench.untilDrawn([&] {
@@ -169,6 +182,7 @@ int main(int argc, char** argv) {
                session.project().tissues.size(), size, size);
   add("turning the view", still);
   add("turning it while solving", solving);
+  add("a control point", drags);
   add("a tissue value", values);
   if (json) fmt::print("{}\n", out.dump(2));
   return 0;

@@ -55,7 +55,7 @@ std::vector<mesh::Vector3> controlPoints(const model::Project& project) {
 /// A solver with the domain that it refers to.
 struct Analysed {
   std::shared_ptr<const domain::DomainBuild> domain;
-  std::unique_ptr<tissue::CurveWalker> walker;
+  std::shared_ptr<const tissue::CurveWalker> walker;
   tissue::KeptTraces traces;
   std::shared_ptr<const tissue::TissueSolver> solver;
   std::shared_ptr<const render::VolumeGeometry> geometry;
@@ -283,7 +283,7 @@ Result<void> LiveEngine::Impl::analyse(RunContext& run) {
   const auto& there = (*domain.made)->domain;
   auto solver = tissue::TissueSolver::create(there, run);
   if (!solver) return passOn(solver);
-  analysed.walker = std::make_unique<tissue::CurveWalker>(there);
+  analysed.walker = std::make_shared<const tissue::CurveWalker>(there);
   // Shared with those who edit values, and no longer there than its domain
   const auto held = std::make_shared<Held>(Held{*domain.made, std::move(*solver)});
   analysed.solver = {held, &held->solver};
@@ -328,8 +328,9 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
   }
 
   out->findings.insert(out->findings.end(), cores->findings.begin(), cores->findings.end());
-  auto fields = tissue::ValueFields::create({analysed.domain, &there}, analysed.solver,
-                                            std::move(*cores), std::move(all), how, run);
+  auto fields =
+      tissue::ValueFields::create({analysed.domain, &there}, analysed.solver, std::move(*cores),
+                                  std::move(all), how, run, analysed.walker);
   if (!fields) return passOn(fields);
   out->fields = std::make_shared<tissue::ValueFields>(std::move(*fields));
   out->geometry = analysed.geometry;
@@ -339,6 +340,7 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
     const Stage stage(run, "volumes");
     out->volumes = tissue::tissueVolumes(there.mesh, out->fields->fields());
   }
+  out->fields->prepareMove({});  // so that whoever drags first need not wait
   out->seconds = run.seconds() - begin;
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while measuring volumes");
   return out;

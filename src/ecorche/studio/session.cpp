@@ -8,10 +8,18 @@
 
 namespace ecorche::studio {
 
+namespace {
+
+constexpr int kRestForSolvingMs = 150;  // without movement, before moved curves are solved for
+
+}  // namespace
+
 Session::Session(engine::LiveOptions options, QObject* parent)
     : QObject(parent), history_(std::make_unique<model::History>(model::Project{})) {
   restForMeasuring_.setSingleShot(true);
   connect(&restForMeasuring_, &QTimer::timeout, this, &Session::measure);
+  restForSolving_.setSingleShot(true);
+  connect(&restForSolving_, &QTimer::timeout, this, [this] { requestSolve(false); });
   engine_ = std::make_unique<engine::LiveEngine>(
       [this](engine::LiveUpdate update) {
         auto shared = std::make_shared<engine::LiveUpdate>(std::move(update));
@@ -230,10 +238,21 @@ void Session::tell(Severity severity, const QString& text, std::optional<mesh::V
 
 void Session::changed(bool anew) {
   forgetWhatIsGone();
-  followValues();
+  followEdits();
   emit projectChanged();
   if (!open_) return;
   setSettled(false);
+  // Under the hand fields follow; what would be solved for would be old before it is there, and
+  // takes time from the view
+  if (draft_ && !anew && tissues_ && tissues_->fields->isAdrift()) {
+    restForSolving_.start(kRestForSolvingMs);
+  } else {
+    requestSolve(anew);
+  }
+}
+
+void Session::requestSolve(bool anew) {
+  restForSolving_.stop();
   engine_->request(project(), ++request_, anew);
 }
 

@@ -154,6 +154,7 @@ class Session : public QObject {
   Background measuring_;
   Background directing_;
   QTimer restForMeasuring_;
+  QTimer restForSolving_;
   std::uint64_t request_ = 0;
   std::uint64_t firstRequest_ = 0;  // of the project at hand: answers to older ones are dropped
   bool settled_ = true;
@@ -166,7 +167,12 @@ class Session : public QObject {
   void take(const engine::LiveUpdate& update);
   void prepareTissues();
   void showTissues(const std::shared_ptr<engine::LiveTissues>& tissues);
-  void followValues();
+  void requestSolve(bool anew);
+  void followEdits();
+  [[nodiscard]] const model::Tissue* tissueOf(std::size_t entry,
+                                              const std::vector<std::size_t>& places) const;
+  bool followCurves();
+  bool followValues();
   void noteChanged(std::size_t column, const std::vector<std::int32_t>& vertices);
   void measure();
   void direct();

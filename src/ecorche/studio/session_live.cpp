@@ -54,6 +54,11 @@ Result<std::vector<model::Command>> Session::valuesFor(const std::string& tissue
 
 bool Session::setVolume(const std::string& tissue, double volume) {
   if (keepsVolume(tissue)) keptVolumes_[tissue] = volume;
+  if (tissues_ && tissues_->fields->isAdrift()) {
+    tell(Severity::Note, tr("%1 has just been moved; its volume can be set in a moment")
+                             .arg(QString::fromStdString(tissue)));
+    return false;
+  }
   const auto commands = valuesFor(tissue, volume);
   if (!commands) tell(Severity::Warning, QString::fromStdString(commands.error().message));
   if (!commands || commands->empty()) return false;
@@ -72,6 +77,7 @@ void Session::keepVolumes() {
   // What was undone stays undone
   if (keptVolumes_.empty() || !tissues_ || draft_ || !history_->canUndo() || history_->canRedo())
     return;
+  if (tissues_->fields->isAdrift()) return;  // once they are settled
   std::erase_if(keptVolumes_,
                 [&](const auto& kept) { return !model::findTissue(project(), kept.first); });
   for (const auto& [name, volume] : keptVolumes_) {
@@ -168,7 +174,7 @@ void Session::showTissues(const std::shared_ptr<engine::LiveTissues>& tissues) {
   tissues_ = tissues;
   volumes_ = tissues->volumes;
   lastFault_.clear();
-  followValues();  // which may have gone on meanwhile
+  followEdits();  // which may have gone on meanwhile
   // What has been said and is still so is not said again
   std::set<std::string> now;
   for (const Finding& finding : tissues_->findings) {
@@ -214,27 +220,69 @@ void Session::direct() {
       });
 }
 
-// Fields are linear in values and fat: no solve, and no waiting.
-void Session::followValues() {
+// Fields follow curves, values and fat at once: no solve, and no waiting.
+void Session::followEdits() {
   if (!tissues_) return;
+  const bool moved = followCurves();
+  // Until moved curves are solved for, values wait
+  const bool edited = !tissues_->fields->isAdrift() && followValues();
+  if (!moved && !edited) return;
+  emit fieldsChanged();
+  // Volumes take longer than a frame, and a copy of the fields: they follow when the hand rests
+  restForMeasuring_.start(kRestMs);
+}
+
+// The tissue that an entry of the fields is of; nothing while it has other curves than those.
+const model::Tissue* Session::tissueOf(std::size_t entry,
+                                       const std::vector<std::size_t>& places) const {
+  const std::size_t slot = tissues_->slotOf[entry];
+  if (slot >= places.size()) return nullptr;
+  const model::Tissue& tissue = project().tissues[places[slot]];
+  const auto& curves = tissues_->fields->tissues()[entry].curves;
+  const bool alike = std::ranges::equal(
+      tissue.curves, curves, {}, [](const model::Curve& c) { return c.points.size(); },
+      [](const tissue::TissueCurve& c) { return c.values.size(); });
+  return alike ? &tissue : nullptr;
+}
+
+bool Session::followCurves() {
+  tissue::ValueFields& fields = *tissues_->fields;
+  const auto places = engine::liveTissuePlaces(project());
+  std::vector<tissue::ValueFields::CurveMove> moves;
+  for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
+    const model::Tissue* wanted = tissueOf(i, places);
+    if (!wanted || !fields.tissues()[i].anisotropy.isIsotropic()) continue;
+    for (std::size_t c = 0; c < wanted->curves.size(); ++c) {
+      mesh::Spline spline = model::splineOf(wanted->curves[c]);
+      const mesh::Spline& now = fields.tissues()[i].curves[c].spline;
+      if (spline.points() == now.points() || spline.points().size() != now.points().size())
+        continue;
+      moves.push_back({{i, static_cast<std::int32_t>(c)}, std::move(spline)});
+    }
+  }
+  if (moves.empty()) return false;
+  const auto change = fields.moveCurves(moves);
+  for (const std::int32_t column : change.fields)
+    noteChanged(static_cast<std::size_t>(column), change.vertices);
+  return true;
+}
+
+bool Session::followValues() {
   tissue::ValueFields& fields = *tissues_->fields;
   const auto places = engine::liveTissuePlaces(project());
   RunContext run;
   bool changed = false;
   for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
-    if (tissues_->slotOf[i] >= places.size()) continue;
-    const model::Tissue& wanted = project().tissues[places[tissues_->slotOf[i]]];
+    const model::Tissue* wanted = tissueOf(i, places);
+    if (!wanted) continue;  // a head or a point came or went: solved for soon
     const auto& curves = fields.tissues()[i].curves;
-    if (wanted.curves.size() != curves.size()) continue;  // a head came or went: solved for soon
     std::vector<std::vector<double>> values;
-    bool alike = true;
     bool same = true;
     for (std::size_t c = 0; c < curves.size(); ++c) {
-      values.push_back(model::tissueValuesOf(wanted.curves[c]));
-      alike = alike && values.back().size() == curves[c].values.size();
+      values.push_back(model::tissueValuesOf(wanted->curves[c]));
       same = same && values.back() == curves[c].values;
     }
-    if (!alike || same) continue;
+    if (same) continue;
     if (const auto edit = fields.setValues(i, values, run)) {
       noteChanged(i + 1, edit->vertices);
       changed = true;
@@ -246,10 +294,7 @@ void Session::followValues() {
     noteChanged(0, fields.setFat(project().settings.fat).vertices);
     changed = true;
   }
-  if (!changed) return;
-  emit fieldsChanged();
-  // Volumes take longer than a frame, and a copy of the fields: they follow when the hand rests
-  restForMeasuring_.start(kRestMs);
+  return changed;
 }
 
 void Session::noteChanged(std::size_t column, const std::vector<std::int32_t>& vertices) {
