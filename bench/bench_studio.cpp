@@ -46,9 +46,13 @@ class Bench {
     clock.start();
     const int before = drawn_;
     act();
+    acted_ = static_cast<double>(clock.nsecsElapsed()) * 1e-6;
     while (drawn_ == before) QApplication::processEvents(QEventLoop::AllEvents, 5);
     return static_cast<double>(clock.nsecsElapsed()) * 1e-6;
   }
+
+  // How long the last act took, until it had been carried out [ms]
+  [[nodiscard]] double acted() const { return acted_; }
 
   double turn() {
     return untilDrawn([&] {
@@ -64,6 +68,7 @@ class Bench {
   Session& session_;
   Viewport& view_;
   int drawn_ = 0;
+  double acted_ = 0.0;
   int step_ = 0;
 
   void send(QEvent::Type type, const QPointF& at, Qt::MouseButton button, Qt::MouseButtons held) {
@@ -120,7 +125,7 @@ int main(int argc, char** argv) {
   }
   const std::string muscle = session.project().tissues[0].name;
 
-  std::vector<double> still, solving, drags, values;
+  std::vector<double> still, solving, drags, dragged, values;
   bench.grab();
   for (int k = 0; k < 200; ++k) still.push_back(bench.turn());
   // A moved curve: turned all the while, until its answer is there
@@ -133,14 +138,15 @@ int main(int argc, char** argv) {
   bench.letGo();
   bench.settle();
   // A control point under the hand, half a millimetre a frame
-  const auto& dragged = session.project().tissues[0].curves[0].points;
-  const std::size_t inner = dragged.size() / 2;
-  const mesh::Vector3 from = dragged[inner].at;
+  const auto& points = session.project().tissues[0].curves[0].points;
+  const std::size_t inner = points.size() / 2;
+  const mesh::Vector3 from = points[inner].at;
   for (int k = 0; k < 200; ++k) {
     const double way = k < 100 ? 0.0005 * (k + 1) : 0.0005 * (200 - k);
     drags.push_back(bench.untilDrawn([&] {
       session.draft({model::MovePoint{muscle, 0, inner, from + mesh::Vector3(way, 0.0, 0.0)}});
     }));
+    dragged.push_back(bench.acted());
   }
   session.dropDraft();
   bench.settle();
@@ -183,6 +189,7 @@ int main(int argc, char** argv) {
   add("turning the view", still);
   add("turning it while solving", solving);
   add("a control point", drags);
+  add("… until fields are there", dragged);
   add("a tissue value", values);
   if (json) fmt::print("{}\n", out.dump(2));
   return 0;
