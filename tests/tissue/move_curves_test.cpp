@@ -1,5 +1,5 @@
 #include <ecorche/tissue/curve_trace.h>
-#include <ecorche/tissue/drag_rows.h>
+#include <ecorche/tissue/moved_fields.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/tube_sweeps.h>
 #include <ecorche/tissue/value_fields.h>
@@ -93,12 +93,14 @@ TEST_CASE("fields under the hand are those of a solve from scratch, to two perce
     CHECK(std::ranges::is_sorted(changed.vertices));
     std::int64_t owners = 0;
     for (const std::int32_t v : changed.vertices) {
-      seen.row(v) = dragged.fields().values.row(v);
+      for (const std::int32_t j : changed.fields) seen(v, j) = dragged.fields().values(v, j);
       owners += seenOwners[std::size_t(v)] != dragged.owners()[std::size_t(v)];
       seenOwners[std::size_t(v)] = dragged.owners()[std::size_t(v)];
     }
     CHECK(owners == changed.owners);
-    CHECK(seen == dragged.fields().values);
+    // Whoever looks only where he is told to sees the same but for a hair
+    CHECK((seen - dragged.fields().values).cwiseAbs().maxCoeff() <
+          1.2 * (1.1 * MovedFields::kToldMoved + 10 * ValueFields::kTold));
     CHECK(seenOwners == dragged.owners());
     CHECK(dragged.owners() == vertexOwners(dragged.fields()));
     const TissueFields fresh = scene.anew(moved);
@@ -126,11 +128,11 @@ TEST_CASE("a second curve is taken along, and the first stays where it was left"
   const FieldMatrix before = dragged.fields().values;
   const auto changed = dragged.moveCurves({{{2, 0}, moved[2].curves[0].spline}});
   CHECK(off(dragged, scene.anew(moved)) < 0.02);
-  std::vector<std::uint8_t> told(std::size_t(before.rows()), 0);
-  for (const std::int32_t v : changed.vertices) told[std::size_t(v)] = 1;
-  for (Eigen::Index v = 0; v < before.rows(); ++v) {
-    if (told[std::size_t(v)] == 0) CHECK(dragged.fields().values.row(v) == before.row(v));
-  }
+  FieldMatrix seen = before;
+  for (const std::int32_t v : changed.vertices)
+    for (const std::int32_t j : changed.fields) seen(v, j) = dragged.fields().values(v, j);
+  CHECK((seen - dragged.fields().values).cwiseAbs().maxCoeff() <
+        1.2 * (1.1 * MovedFields::kToldMoved + 10 * ValueFields::kTold));
   // Told of one alone, the other stays as well
   moved[0].curves[0].spline = shifted(moved[0].curves[0].spline, 0, Vector3(0.05, 0.0, 0.0));
   (void)dragged.moveCurves({{{0, 0}, moved[0].curves[0].spline}});

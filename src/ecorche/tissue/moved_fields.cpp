@@ -5,8 +5,8 @@
 #include <ecorche/tissue/segmentation.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 namespace ecorche::tissue {
@@ -14,6 +14,9 @@ namespace ecorche::tissue {
 namespace {
 
 constexpr std::int64_t kGrain = 512;
+// Of a field that goes along with others, over the largest value: less is not worth a picture's
+// time
+constexpr double kTold = 1e-5;
 
 // A row that something near it corrects: by which sample, of the settled ones or of the moved
 struct Correction {
@@ -42,6 +45,7 @@ struct MovedFields::Impl {
   std::vector<std::int32_t> savedVertex;
   std::vector<double> saved;  // rows, one after another
   std::vector<TissueId> savedOwner;
+  std::vector<double> told;  // the same rows as Told last told of them
 
   std::vector<std::int32_t> changed;  // vertices that differ from settled now
   std::vector<std::int32_t> changedFields;
@@ -97,7 +101,11 @@ struct MovedFields::Impl {
     savedVertex.push_back(v);
     const auto row = fields.values.row(v);
     saved.insert(saved.end(), row.data(), row.data() + width());
+    told.insert(told.end(), row.data(), row.data() + width());
     savedOwner.push_back(owner[static_cast<std::size_t>(v)]);
+  }
+  [[nodiscard]] double* toldRow(std::int32_t v) {
+    return told.data() + savedAt[static_cast<std::size_t>(v)] * width();
   }
   void putBack(std::int32_t v) {
     const auto at = static_cast<std::size_t>(savedAt[static_cast<std::size_t>(v)]);
@@ -171,57 +179,87 @@ MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
     std::ranges::stable_sort(corrections, {}, &Correction::vertex);
   }
 
-  Told out;
-  std::vector<std::int32_t> back;
-  std::ranges::set_difference(I.changed, vertices, std::back_inserter(back));
-  std::atomic<std::int64_t> owners = 0;
-  for (const std::int32_t v : back) {
-    const TissueId before = I.owner[static_cast<std::size_t>(v)];
-    I.putBack(v);
-    if (I.owner[static_cast<std::size_t>(v)] != before) ++owners;
-  }
+  const auto write = [&](std::int32_t v) {
+    auto f = I.fields.values.row(v);
+    I.writeRaw(v, frame, f);
+    for (auto c = std::ranges::lower_bound(corrections, v, {}, &Correction::vertex);
+         c != corrections.end() && c->vertex == v; ++c) {
+      // Flux into every field: W/ℓ (δ D − B f)
+      Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(f.size());
+      for (int k = 0; k < 4; ++k)
+        q -= c->sample->barycentric[k] * I.rawNow(I.domain.mesh.T(c->sample->tet, k), frame);
+      const Eigen::Index own = c->sample->tissue.value - kFat.value;
+      q[own] += c->target;
+      q *= c->sample->weight / c->sample->length;
+      for (Eigen::Index j = 0; j < f.size(); ++j)
+        f[j] = correctedNearCurve(f[j], c->near->error * q[j], j == own, c->target);
+    }
+    for (const Eigen::Index j : I.drag->frozen()) f[j] = I.settled(v)[j];
+    I.owner[static_cast<std::size_t>(v)] = ownerOf(f, I.fields.fatIsCandidate);
+  };
+
+  // Beside them: what this frame no longer changes
+  std::vector<std::int32_t> all;
+  std::ranges::set_union(vertices, I.changed, std::back_inserter(all));
+  std::vector<std::int32_t> columns;
+  std::ranges::set_union(frame.fields, I.changedFields, std::back_inserter(columns));
+  std::vector<std::uint8_t> tell(all.size(), 0);  // 1: the field is another one, 2: so is the owner
   parallelFor(
-      std::ssize(vertices),
+      std::ssize(all),
       [&](std::int64_t i) {
-        const std::int32_t v = vertices[static_cast<std::size_t>(i)];
-        auto f = I.fields.values.row(v);
-        I.writeRaw(v, frame, f);
-        for (auto c = std::ranges::lower_bound(corrections, v, {}, &Correction::vertex);
-             c != corrections.end() && c->vertex == v; ++c) {
-          // Flux into every field: W/ℓ (δ D − B f)
-          Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(f.size());
-          for (int k = 0; k < 4; ++k)
-            q -= c->sample->barycentric[k] * I.rawNow(I.domain.mesh.T(c->sample->tet, k), frame);
-          const Eigen::Index own = c->sample->tissue.value - kFat.value;
-          q[own] += c->target;
-          q *= c->sample->weight / c->sample->length;
-          for (Eigen::Index j = 0; j < f.size(); ++j)
-            f[j] = correctedNearCurve(f[j], c->near->error * q[j], j == own, c->target);
+        const std::int32_t v = all[static_cast<std::size_t>(i)];
+        const TissueId before = I.owner[static_cast<std::size_t>(v)];
+        if (std::ranges::binary_search(vertices, v)) {
+          write(v);
+        } else {
+          I.putBack(v);
         }
-        for (const Eigen::Index j : I.drag->frozen()) f[j] = I.settled(v)[j];
-        const TissueId now = ownerOf(f, I.fields.fatIsCandidate);
-        TissueId& owner = I.owner[static_cast<std::size_t>(v)];
-        if (now != owner) {
-          owner = now;
-          owners.fetch_add(1, std::memory_order_relaxed);
+        const double* f = I.fields.values.row(v).data();
+        const double* told = I.toldRow(v);
+        double most = 0.0;
+        for (const std::int32_t j : columns) most = std::max(most, std::abs(f[j] - told[j]));
+        if (I.owner[static_cast<std::size_t>(v)] != before) {
+          tell[static_cast<std::size_t>(i)] = 2;
+        } else if (most > kToldMoved * I.fields.maxValue) {
+          tell[static_cast<std::size_t>(i)] = 1;
         }
       },
       kGrain);
   for (const std::int32_t v : frame.vertices) I.inFrame[static_cast<std::size_t>(v)] = -1;
 
-  std::ranges::merge(vertices, back, std::back_inserter(out.vertices));
-  std::ranges::set_union(frame.fields, I.changedFields, std::back_inserter(out.fields));
-  out.owners = owners;
+  Told out;
+  std::vector<std::uint8_t> toldField(static_cast<std::size_t>(I.width()), 0);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (tell[i] == 0) continue;
+    const std::int32_t v = all[i];
+    out.vertices.push_back(v);
+    out.owners += tell[i] == 2;
+    const double* f = I.fields.values.row(v).data();
+    const double* told = I.toldRow(v);
+    for (const std::int32_t j : columns) {
+      if (std::abs(f[j] - told[j]) > kTold * I.fields.maxValue)
+        toldField[static_cast<std::size_t>(j)] = 1;
+    }
+  }
+  for (const std::int32_t j : columns) {
+    if (toldField[static_cast<std::size_t>(j)] != 0) out.fields.push_back(j);
+  }
+  for (const std::int32_t v : out.vertices) {
+    const double* f = I.fields.values.row(v).data();
+    for (const std::int32_t j : out.fields) I.toldRow(v)[j] = f[j];
+  }
   out.error = frame.lastStep;
   I.changed = vertices;
   I.changedFields = std::move(frame.fields);
   return out;
 }
 
-std::vector<std::int32_t> MovedFields::restore() {
+MovedFields::Told MovedFields::restore() {
+  Told out;
   for (const std::int32_t v : impl_->changed) impl_->putBack(v);
-  impl_->changedFields.clear();
-  return std::exchange(impl_->changed, {});
+  out.vertices = std::exchange(impl_->changed, {});
+  out.fields = std::exchange(impl_->changedFields, {});
+  return out;
 }
 
 }  // namespace ecorche::tissue

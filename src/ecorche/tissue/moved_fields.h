@@ -26,15 +26,20 @@ class MovedFields {
   [[nodiscard]] const std::vector<CurveRef>& moved() const;
 
   struct Told {
-    std::vector<std::int32_t> vertices;  ///< ascending, whose fields are other ones than before
-    std::vector<std::int32_t> fields;    ///< columns that are
-    std::int64_t owners = 0;             ///< at how many of them the owner is another one
-    double error = 0.0;                  ///< see CurveDrag::Frame::lastStep
+    /// Ascending: where the owner is another one, or a field has gone on by more than kToldMoved
+    /// since it was last told.
+    std::vector<std::int32_t> vertices;
+    std::vector<std::int32_t> fields;  ///< columns that have gone on there
+    std::int64_t owners = 0;           ///< at how many of them the owner is another one
+    double error = 0.0;                ///< see CurveDrag::Frame::lastStep
   };
+  /// Of the largest value: what moves an interface by a hundredth of a millimetre [unitless].
+  static constexpr double kToldMoved = 1e-3;
+
   [[nodiscard]] Told move(std::span<const mesh::Spline> splines);
   /// Back to what was settled.
-  /// @return  vertices that were another, ascending
-  std::vector<std::int32_t> restore();
+  /// @return  all that were another; owners are not counted
+  Told restore();
 
  private:
   struct Impl;

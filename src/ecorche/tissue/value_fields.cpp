@@ -93,7 +93,7 @@ struct ValueFields::Impl {
   Changed take(Eigen::Index field);
   void keepUncorrected(Eigen::Index field, const Eigen::VectorXd& raw);
   void stand();
-  std::vector<std::int32_t> begin(std::vector<CurveRef> curves);
+  MovedFields::Told begin(std::vector<CurveRef> curves);
   [[nodiscard]] Basis& basisOf(std::size_t tissue);
   [[nodiscard]] Result<void> solveFor(Basis& basis, const std::vector<Eigen::Index>& points,
                                       RunContext& run) const;
@@ -355,10 +355,10 @@ void ValueFields::Impl::stand() {
   if (!ground) ground = std::make_shared<DragGround>(solver, factor, cores);
 }
 
-std::vector<std::int32_t> ValueFields::Impl::begin(std::vector<CurveRef> curves) {
+MovedFields::Told ValueFields::Impl::begin(std::vector<CurveRef> curves) {
   stand();
   if (!adrift) settled = tissues;
-  std::vector<std::int32_t> back;
+  MovedFields::Told back;
   if (moving) back = moving->restore();
   moving = std::make_unique<MovedFields>(*domain, ground, *walker, cores, settled, options,
                                          std::move(curves), fields, owner);
@@ -387,7 +387,7 @@ ValueFields::Changed ValueFields::moveCurves(const std::vector<CurveMove>& moves
     wanted.push_back(move.curve);
     anew = true;
   }
-  std::vector<std::int32_t> back;
+  MovedFields::Told back;
   if (anew) back = I.begin(std::move(wanted));
   for (const CurveMove& move : moves) {
     I.tissues[move.curve.tissue].curves[static_cast<std::size_t>(move.curve.curve)].spline =
@@ -400,8 +400,9 @@ ValueFields::Changed ValueFields::moveCurves(const std::vector<CurveMove>& moves
   I.rivalsOf = -1;
   I.ready.clear();
   MovedFields::Told told = I.moving->move(splines);
-  Changed out{{}, told.owners, std::move(told.fields), told.error};
-  std::ranges::set_union(told.vertices, back, std::back_inserter(out.vertices));
+  Changed out{{}, told.owners, {}, told.error};
+  std::ranges::set_union(told.vertices, back.vertices, std::back_inserter(out.vertices));
+  std::ranges::set_union(told.fields, back.fields, std::back_inserter(out.fields));
   return out;
 }
 

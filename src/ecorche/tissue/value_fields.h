@@ -46,8 +46,9 @@ class ValueFields {
 
   /// What an edit changed.
   struct Changed {
-    /// Where the owner is another one, or the field has gone on by more than kTold since it was
-    /// last told, ascending: what a picture has to take anew.
+    /// Where the owner is another one, or the field has gone on by more than kTold (of a moved
+    /// curve: MovedFields::kToldMoved) since it was last told, ascending: what a picture has to
+    /// take anew.
     std::vector<std::int32_t> vertices;
     std::int64_t owners = 0;           ///< at how many of them the owner is another one
     std::vector<std::int32_t> fields;  ///< columns that changed
