@@ -49,7 +49,10 @@ struct MovedFields::Impl {
 
   std::vector<std::int32_t> changed;  // vertices that differ from settled now
   std::vector<std::int32_t> changedFields;
-  std::vector<std::int32_t> inFrame;  // #V, row of the frame's change; −1
+  std::vector<std::int32_t> inFrame;       // #V, row of the frame's change; −1
+  std::vector<std::int32_t> placeOfField;  // #fields, column of the frame's change; −1
+  std::vector<std::uint8_t> near;    // #V, 1: where the moved curves were, 2: are, 4: had been
+  std::vector<std::int32_t> moving;  // columns, all that are not frozen
 
   Impl(const domain::Domain& d, const CoreSamples& c, TissueFields& f, std::vector<TissueId>& o)
       : domain(d), cores(c), fields(f), owner(o) {}
@@ -64,18 +67,18 @@ struct MovedFields::Impl {
     const std::int32_t at = uncorrectedAt[static_cast<std::size_t>(v)];
     return at < 0 ? settled(v) : fields.uncorrected.values.row(at).data();
   }
-  template <class Row>
-  void writeRaw(std::int32_t v, const CurveDrag::Frame& frame, Row&& f) const {
-    f = Eigen::Map<const Eigen::RowVectorXd>(raw(v), width());
+  // values[i] += times · raw value of columns[i] now
+  void addRaw(std::int32_t v, const CurveDrag::Frame& frame,
+              const std::vector<std::int32_t>& columns, double times, double* values) const {
+    const double* settledRow = raw(v);
     const std::int32_t at = inFrame[static_cast<std::size_t>(v)];
-    if (at < 0) return;
-    for (std::size_t j = 0; j < frame.fields.size(); ++j)
-      f[frame.fields[j]] += static_cast<double>(frame.change(at, static_cast<Eigen::Index>(j)));
-  }
-  [[nodiscard]] Eigen::RowVectorXd rawNow(std::int32_t v, const CurveDrag::Frame& frame) const {
-    Eigen::RowVectorXd f(width());
-    writeRaw(v, frame, f);
-    return f;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const std::int32_t j = columns[i];
+      double f = settledRow[j];
+      const std::int32_t c = placeOfField[static_cast<std::size_t>(j)];
+      if (at >= 0 && c >= 0) f += static_cast<double>(frame.change(at, c));
+      values[i] += times * f;
+    }
   }
   // Ascending
   [[nodiscard]] std::vector<std::int32_t> touched(const CurveDrag::Frame& frame) const {
@@ -134,6 +137,8 @@ MovedFields::MovedFields(const domain::Domain& domain, std::shared_ptr<DragGroun
             .curves[static_cast<std::size_t>(s.curve)];
     I.target.push_back(curve.spline.interpolate(curve.values, s.u));
   }
+  I.near.assign(vertexCount, 0);
+  I.placeOfField.assign(static_cast<std::size_t>(fields.values.cols()), -1);
   for (const NearCurve& near : cores.nearCurves) {
     const CoreSample& s = cores.samples[static_cast<std::size_t>(near.sample)];
     const CurveRef of{static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value), s.curve};
@@ -141,12 +146,17 @@ MovedFields::MovedFields(const domain::Domain& domain, std::shared_ptr<DragGroun
       I.others.push_back(near);
     } else {
       I.wereNear.push_back(near.vertex);
+      I.near[static_cast<std::size_t>(near.vertex)] = 1;
     }
   }
   std::ranges::stable_sort(I.others, {}, &NearCurve::vertex);
   I.drag = std::make_unique<CurveDrag>(
       std::move(ground), walker, cores, tissues, options, std::move(moved),
       [impl = impl_.get()](std::int32_t v) { return impl->raw(v); });
+  for (std::int32_t j = 0; j < fields.values.cols(); ++j) {
+    if (!std::ranges::binary_search(I.drag->frozen(), static_cast<Eigen::Index>(j)))
+      I.moving.push_back(j);
+  }
 }
 MovedFields::~MovedFields() = default;
 
@@ -179,30 +189,41 @@ MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
     std::ranges::stable_sort(corrections, {}, &Correction::vertex);
   }
 
-  const auto write = [&](std::int32_t v) {
-    auto f = I.fields.values.row(v);
-    I.writeRaw(v, frame, f);
-    for (auto c = std::ranges::lower_bound(corrections, v, {}, &Correction::vertex);
-         c != corrections.end() && c->vertex == v; ++c) {
-      // Flux into every field: W/ℓ (δ D − B f)
-      Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(f.size());
-      for (int k = 0; k < 4; ++k)
-        q -= c->sample->barycentric[k] * I.rawNow(I.domain.mesh.T(c->sample->tet, k), frame);
-      const Eigen::Index own = c->sample->tissue.value - kFat.value;
-      q[own] += c->target;
-      q *= c->sample->weight / c->sample->length;
-      for (Eigen::Index j = 0; j < f.size(); ++j)
-        f[j] = correctedNearCurve(f[j], c->near->error * q[j], j == own, c->target);
-    }
-    for (const Eigen::Index j : I.drag->frozen()) f[j] = I.settled(v)[j];
-    I.owner[static_cast<std::size_t>(v)] = ownerOf(f, I.fields.fatIsCandidate);
-  };
-
   // Beside them: what this frame no longer changes
   std::vector<std::int32_t> all;
   std::ranges::set_union(vertices, I.changed, std::back_inserter(all));
   std::vector<std::int32_t> columns;
   std::ranges::set_union(frame.fields, I.changedFields, std::back_inserter(columns));
+  for (std::size_t i = 0; i < frame.fields.size(); ++i)
+    I.placeOfField[static_cast<std::size_t>(frame.fields[i])] = static_cast<std::int32_t>(i);
+  for (const NearCurve& n : frame.nearCurves) I.near[static_cast<std::size_t>(n.vertex)] |= 2;
+  const auto write = [&](std::int32_t v) {
+    // Beside moved curves all fields are corrected, and must not stay so
+    const std::vector<std::int32_t>& written =
+        I.near[static_cast<std::size_t>(v)] != 0 ? I.moving : columns;
+    thread_local std::vector<double> f;
+    thread_local std::vector<double> q;
+    f.assign(written.size(), 0.0);
+    I.addRaw(v, frame, written, 1.0, f.data());
+    for (auto c = std::ranges::lower_bound(corrections, v, {}, &Correction::vertex);
+         c != corrections.end() && c->vertex == v; ++c) {
+      // Flux into every field: W/ℓ (δ D − B f)
+      q.assign(written.size(), 0.0);
+      for (int k = 0; k < 4; ++k)
+        I.addRaw(I.domain.mesh.T(c->sample->tet, k), frame, written, -c->sample->barycentric[k],
+                 q.data());
+      const auto own = static_cast<std::int32_t>(c->sample->tissue.value - kFat.value);
+      const double w = c->sample->weight / c->sample->length;
+      for (std::size_t i = 0; i < written.size(); ++i) {
+        const bool isOwn = written[i] == own;
+        const double flux = w * (q[i] + (isOwn ? c->target : 0.0));
+        f[i] = correctedNearCurve(f[i], c->near->error * flux, isOwn, c->target);
+      }
+    }
+    auto row = I.fields.values.row(v);
+    for (std::size_t i = 0; i < written.size(); ++i) row[written[i]] = f[i];
+    I.owner[static_cast<std::size_t>(v)] = ownerOf(row, I.fields.fatIsCandidate);
+  };
   std::vector<std::uint8_t> tell(all.size(), 0);  // 1: the field is another one, 2: so is the owner
   parallelFor(
       std::ssize(all),
@@ -226,6 +247,9 @@ MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
       },
       kGrain);
   for (const std::int32_t v : frame.vertices) I.inFrame[static_cast<std::size_t>(v)] = -1;
+  for (const std::int32_t j : frame.fields) I.placeOfField[static_cast<std::size_t>(j)] = -1;
+  for (const std::int32_t v : all) I.near[static_cast<std::size_t>(v)] &= 1;
+  for (const NearCurve& n : frame.nearCurves) I.near[static_cast<std::size_t>(n.vertex)] |= 4;
 
   Told out;
   std::vector<std::uint8_t> toldField(static_cast<std::size_t>(I.width()), 0);

@@ -1,7 +1,6 @@
 #include <ecorche/tissue/nearest_samples.h>
 
 #include <algorithm>
-#include <tuple>
 
 namespace ecorche::tissue {
 
@@ -9,19 +8,17 @@ void NearestSamples::add(const domain::Domain& domain, const Well& well, const m
                          std::int32_t sample) {
   for (const LineError& e : well.errors) {
     const double away2 = (domain.mesh.V.row(e.vertex).transpose() - at).squaredNorm();
-    entries_.push_back({{e.vertex, sample, e.error}, away2});
+    const auto [known, fresh] = nearest_.try_emplace(e.vertex, Entry{sample, e.error, away2});
+    if (fresh || !(away2 < known->second.away2)) continue;
+    known->second = {sample, e.error, away2};
   }
 }
 
-std::vector<NearCurve> NearestSamples::byVertex() {
-  std::ranges::sort(entries_, [](const Entry& a, const Entry& b) {
-    return std::tie(a.what.vertex, a.away2, a.what.sample) <
-           std::tie(b.what.vertex, b.away2, b.what.sample);
-  });
+std::vector<NearCurve> NearestSamples::byVertex() const {
   std::vector<NearCurve> out;
-  for (const Entry& e : entries_) {
-    if (out.empty() || out.back().vertex != e.what.vertex) out.push_back(e.what);
-  }
+  out.reserve(nearest_.size());
+  for (const auto& [vertex, entry] : nearest_) out.push_back({vertex, entry.sample, entry.error});
+  std::ranges::sort(out, {}, &NearCurve::vertex);
   return out;
 }
 
