@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ecorche::mesh {
 
@@ -167,6 +168,38 @@ StiffnessPattern stiffnessPattern(const TetMesh& mesh, const std::vector<std::ui
                                        out.index.data());
     }
   });
+  return out;
+}
+
+NeighbourRows neighbourRows(const StiffnessPattern& pattern) {
+  NeighbourRows out;
+  const auto n = static_cast<std::size_t>(pattern.rowCount());
+  const auto entries = [&](std::size_t c) {
+    return std::pair(static_cast<std::size_t>(pattern.first[c]) + 1,  // the diagonal comes first
+                     static_cast<std::size_t>(pattern.first[c + 1]));
+  };
+  out.first.assign(n + 1, 0);
+  for (std::size_t c = 0; c < n; ++c) {
+    const auto [begin, end] = entries(c);
+    out.first[c + 1] += static_cast<std::int32_t>(end - begin);
+    for (std::size_t i = begin; i < end; ++i)
+      ++out.first[static_cast<std::size_t>(pattern.index[i]) + 1];
+  }
+  std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
+  out.neighbour.resize(static_cast<std::size_t>(out.first.back()));
+  out.slot.resize(out.neighbour.size());
+  std::vector<std::int32_t> next(out.first.begin(), out.first.end() - 1);
+  for (std::size_t c = 0; c < n; ++c) {
+    const auto [begin, end] = entries(c);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto r = static_cast<std::size_t>(pattern.index[i]);
+      for (const auto& [from, to] : {std::pair(r, c), std::pair(c, r)}) {
+        const auto at = static_cast<std::size_t>(next[from]++);
+        out.neighbour[at] = static_cast<std::int32_t>(to);
+        out.slot[at] = static_cast<std::int32_t>(i);
+      }
+    }
+  }
   return out;
 }
 

@@ -66,6 +66,14 @@ struct StiffnessPattern {
 [[nodiscard]] StiffnessPattern stiffnessPattern(const TetMesh& mesh,
                                                 const std::vector<std::uint8_t>& fixed);
 
+/// A pattern row by row, both triangles, without the diagonal.
+struct NeighbourRows {
+  std::vector<std::int32_t> first;      ///< #rows+1
+  std::vector<std::int32_t> neighbour;  ///< row of each entry's column
+  std::vector<std::int32_t> slot;       ///< where its value lies among the pattern's entries
+};
+[[nodiscard]] NeighbourRows neighbourRows(const StiffnessPattern& pattern);
+
 /// Values of K on the pattern, #entries. Column by column in parallel, tets ascending: the same
 /// bytes on any number of threads.
 [[nodiscard]] std::vector<double> assembleStiffness(const TetMesh& mesh,

@@ -13,11 +13,7 @@ struct DragGround {
   std::shared_ptr<const TissueSolver> solver;
   mesh::TreeSolver<float> tree;
   std::vector<double> K;  ///< on the solver's pattern, rows of all curves in it
-  /// Neighbours of every row, both ways: entries neighbour[first[r]] … and where their value lies
-  /// in K. The diagonal is left out.
-  std::vector<std::int32_t> first;
-  std::vector<std::int32_t> neighbour;
-  std::vector<std::int32_t> slot;
+  mesh::NeighbourRows rows;
 
   /// @param factor  of these cores, by this solver; not null
   DragGround(std::shared_ptr<const TissueSolver> solver, const TissueSolver::Factor& factor,

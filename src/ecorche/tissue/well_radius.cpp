@@ -14,7 +14,6 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -63,9 +62,8 @@ class Arrivals {
 // The domain's stiffness, vertex by vertex: neighbours and what couples to them [m]
 struct Coupling {
   mesh::VertexTets tetsOf;
-  std::vector<std::int32_t> first;      // #V+1
-  std::vector<std::int32_t> neighbour;  // the vertex itself is left out
-  std::vector<double> k;
+  mesh::NeighbourRows rows;            // of all vertices
+  std::vector<double> k;               // of each neighbour
   std::vector<double> own;             // #V
   std::vector<std::uint8_t> boundary;  // #V
   struct Ball {
@@ -81,34 +79,11 @@ struct Coupling {
     const std::vector<double> lower =
         mesh::assembleStiffness(domain.mesh, pattern, mesh::edgeStiffness(domain.mesh));
     tetsOf = std::move(pattern.vertexTets);
-    own.resize(n);
-    first.assign(n + 1, 0);
-    const auto below = [&](std::size_t c) {
-      own[c] = lower[static_cast<std::size_t>(pattern.first[c])];  // the diagonal comes first
-      return std::pair(static_cast<std::size_t>(pattern.first[c]) + 1,
-                       static_cast<std::size_t>(pattern.first[c + 1]));
-    };
-    for (std::size_t c = 0; c < n; ++c) {
-      const auto [begin, end] = below(c);
-      first[c + 1] += static_cast<std::int32_t>(end - begin);
-      for (std::size_t i = begin; i < end; ++i)
-        ++first[static_cast<std::size_t>(pattern.index[i]) + 1];
-    }
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    neighbour.resize(static_cast<std::size_t>(first.back()));
-    k.resize(neighbour.size());
-    std::vector<std::int32_t> next(first.begin(), first.end() - 1);
-    for (std::size_t c = 0; c < n; ++c) {
-      const auto [begin, end] = below(c);
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto r = static_cast<std::size_t>(pattern.index[i]);
-        for (const auto& [from, to] : {std::pair(r, c), std::pair(c, r)}) {
-          const auto at = static_cast<std::size_t>(next[from]++);
-          neighbour[at] = static_cast<std::int32_t>(to);
-          k[at] = lower[i];
-        }
-      }
-    }
+    for (std::size_t v = 0; v < n; ++v)
+      own.push_back(lower[static_cast<std::size_t>(pattern.first[v])]);
+    rows = mesh::neighbourRows(pattern);
+    k.reserve(rows.slot.size());
+    for (const std::int32_t slot : rows.slot) k.push_back(lower[static_cast<std::size_t>(slot)]);
     around.resize(static_cast<std::size_t>(domain.mesh.T.rows()));
     parallelFor(domain.mesh.T.rows(), [&](std::int64_t t) {
       const auto corners = domain.mesh.V(domain.mesh.T.row(t), Eigen::all);
@@ -164,8 +139,9 @@ Patch gather(const Domain& domain, const Coupling& coupling, std::span<const Wel
     const auto v = static_cast<std::size_t>(patch.nodes[i].vertex);
     if (!(patch.nodes[i].at.squaredNorm() < 1.0)) continue;
     const bool unknown = coupling.boundary[v] == 0;
-    for (auto e = coupling.first[v]; e < coupling.first[v + 1]; ++e) {
-      const std::int32_t n = patch.add(domain, coupling.neighbour[static_cast<std::size_t>(e)]);
+    for (auto e = coupling.rows.first[v]; e < coupling.rows.first[v + 1]; ++e) {
+      const std::int32_t n =
+          patch.add(domain, coupling.rows.neighbour[static_cast<std::size_t>(e)]);
       if (unknown) patch.beside.push_back(n);
     }
     if (!unknown) continue;
@@ -352,7 +328,7 @@ SolvedPatch solveAround(const Domain& domain, const Coupling& coupling,
     };
     // K in units of the reach
     enter(r, coupling.own[v] / reach);
-    const std::int32_t* e = coupling.first.data() + v;
+    const std::int32_t* e = coupling.rows.first.data() + v;
     for (std::int32_t i = 0; i < e[1] - e[0]; ++i) {
       Patch::Node& other = patch.nodes[static_cast<std::size_t>(
           patch.beside[static_cast<std::size_t>(patch.first[at] + i)])];
