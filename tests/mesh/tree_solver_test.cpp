@@ -1,3 +1,5 @@
+#include <ecorche/core/parallel.h>
+#include <ecorche/mesh/single_cholesky.h>
 #include <ecorche/mesh/tree_solver.h>
 
 #include <catch2/catch.hpp>
@@ -14,6 +16,7 @@ namespace {
 // The Laplacian of a box whose floor is fixed, and right sides that touch a few rows each.
 struct Problem {
   StiffnessPattern pattern;
+  std::vector<double> values;
   std::shared_ptr<const Cholesky> factor;
   SparseColumns columns;
   Eigen::MatrixXd right;  // the same, full
@@ -28,8 +31,8 @@ struct Problem {
     std::vector<std::uint8_t> fixed(std::size_t(mesh.V.rows()), 0);
     for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) fixed[std::size_t(v)] = mesh.V(v, 2) == 0.0;
     pattern = stiffnessPattern(mesh, fixed);
-    factor = std::make_shared<const Cholesky>(
-        SymbolicCholesky(pattern), assembleStiffness(mesh, pattern, edgeStiffness(mesh)));
+    values = assembleStiffness(mesh, pattern, edgeStiffness(mesh));
+    factor = std::make_shared<const Cholesky>(SymbolicCholesky(pattern), values);
     REQUIRE(factor->ok());
     std::mt19937_64 random(seed);
     right = Eigen::MatrixXd::Zero(pattern.rowCount(), 7);
@@ -136,4 +139,71 @@ TEST_CASE("what is left out is smaller than the tolerance, and what is not is ri
     CHECK(leftOut <= tolerance + 1e-11);
   }
   CHECK(before < std::size_t(X.rows()) * 3 / 4);
+}
+
+TEST_CASE("a factor in 32 bits solves as one in 64 does, as far as they go") {
+  // From panels that one thread factors to such as all do
+  const int cells = GENERATE(3, 9, 16);
+  const Problem problem(cells, 0.2, 7);
+  const SymbolicCholesky symbolic(problem.pattern);
+  const auto factor = std::make_shared<const SingleCholesky>(symbolic, problem.values);
+  REQUIRE(factor->ok());
+  CHECK(factor->shareMade() == 1.0);
+  const TreeSolver<float> tree(factor);
+  const auto path = tree.pathOf(problem.columns.row);
+  const Eigen::MatrixXd X = problem.solved(problem.right);
+  const Eigen::MatrixXd Y =
+      full<float>(tree.backward(path, tree.forward(path, problem.columns), 0.0), X.rows());
+  CHECK((Y - X).cwiseAbs().maxCoeff() < 2e-5 * X.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("where few rows change, a factor made of another is the same to the last bit") {
+  const Problem problem(14, 0.2, 8);
+  const SymbolicCholesky symbolic(problem.pattern);
+  const auto before = std::make_shared<const SingleCholesky>(symbolic, problem.values);
+  std::vector<std::int32_t> changed;
+  auto values = problem.values;
+  std::mt19937_64 random(9);
+  for (int k = 0; k < 5; ++k) {
+    changed.push_back(std::int32_t(random() % std::uint64_t(problem.pattern.rowCount())));
+    values[std::size_t(problem.pattern.diagonal(changed.back()))] *= 1.5;
+  }
+  const auto all = std::make_shared<const SingleCholesky>(symbolic, values);
+  const auto some = std::make_shared<const SingleCholesky>(before, values, changed);
+  REQUIRE(all->ok());
+  REQUIRE(some->ok());
+  CHECK(some->shareMade() < 1.0);
+  const TreeSolver<float> a(all);
+  const TreeSolver<float> b(some);
+  const auto path = a.pathOf(problem.columns.row);
+  const auto A = a.backward(path, a.forward(path, problem.columns), 0.0);
+  const auto B = b.backward(path, b.forward(path, problem.columns), 0.0);
+  CHECK(A.value == B.value);
+  // And of that one again, back to where it was
+  const auto back = std::make_shared<const SingleCholesky>(some, problem.values, changed);
+  const TreeSolver<float> c(back);
+  const TreeSolver<float> d(before);
+  CHECK(c.backward(path, c.forward(path, problem.columns), 0.0).value ==
+        d.backward(path, d.forward(path, problem.columns), 0.0).value);
+}
+
+TEST_CASE("a factor in 32 bits has the same bytes on any number of threads") {
+  const Problem problem(16, 0.2, 10);
+  const SymbolicCholesky symbolic(problem.pattern);
+  const auto answer = [&](int threads) {
+    const ThreadLimit limit(threads);
+    const TreeSolver<float> tree(std::make_shared<const SingleCholesky>(symbolic, problem.values));
+    const auto path = tree.pathOf(problem.columns.row);
+    return tree.backward(path, tree.forward(path, problem.columns), 0.0).value;
+  };
+  CHECK(answer(1) == answer(2));
+}
+
+TEST_CASE("what is not positive definite, or stopped, is no factor") {
+  const Problem problem(9, 0.2, 11);
+  const SymbolicCholesky symbolic(problem.pattern);
+  CHECK_FALSE(SingleCholesky(symbolic, problem.values, [] { return true; }).ok());
+  auto values = problem.values;
+  values[std::size_t(problem.pattern.diagonal(problem.pattern.rowCount() / 2))] = -1.0;
+  CHECK_FALSE(SingleCholesky(symbolic, values).ok());
 }

@@ -16,31 +16,45 @@ constexpr Eigen::Index kBlock = 16;
 
 }  // namespace
 
-struct SymbolicCholesky::Impl {
-  mutable Common common;
-  std::vector<std::int32_t> first;
-  std::vector<std::int32_t> index;
-  cholmod_factor* L = nullptr;
+cholmod_sparse SymbolicCholesky::Impl::view(const double* values) const {
+  cholmod_sparse K{};
+  K.nrow = K.ncol = first.size() - 1;
+  K.nzmax = index.size();
+  K.p = const_cast<std::int32_t*>(first.data());
+  K.i = const_cast<std::int32_t*>(index.data());
+  K.x = const_cast<double*>(values);
+  K.stype = -1;
+  K.itype = CHOLMOD_INT;
+  K.xtype = values != nullptr ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  K.dtype = CHOLMOD_DOUBLE;
+  K.sorted = 1;
+  K.packed = 1;
+  return K;
+}
 
-  ~Impl() { cholmod_free_factor(&L, common); }
-
-  // The matrix as CHOLMOD sees it, over our own arrays
-  [[nodiscard]] cholmod_sparse view(const double* values) const {
-    cholmod_sparse K{};
-    K.nrow = K.ncol = first.size() - 1;
-    K.nzmax = index.size();
-    K.p = const_cast<std::int32_t*>(first.data());
-    K.i = const_cast<std::int32_t*>(index.data());
-    K.x = const_cast<double*>(values);
-    K.stype = -1;
-    K.itype = CHOLMOD_INT;
-    K.xtype = values != nullptr ? CHOLMOD_REAL : CHOLMOD_PATTERN;
-    K.dtype = CHOLMOD_DOUBLE;
-    K.sorted = 1;
-    K.packed = 1;
-    return K;
+Supernodes::Supernodes(const cholmod_factor& L)
+    : n(static_cast<std::int32_t>(L.n)),
+      nodeCount(static_cast<std::int32_t>(L.nsuper)),
+      perm(static_cast<const std::int32_t*>(L.Perm)),
+      super(static_cast<const std::int32_t*>(L.super)),
+      pi(static_cast<const std::int32_t*>(L.pi)),
+      px(static_cast<const std::int32_t*>(L.px)),
+      s(static_cast<const std::int32_t*>(L.s)),
+      inverse(L.n),
+      nodeOf(L.n),
+      parent(L.nsuper, -1) {
+  EC_REQUIRE(L.is_super != 0);
+  for (std::int32_t i = 0; i < n; ++i) inverse[static_cast<std::size_t>(perm[i])] = i;
+  for (std::int32_t node = 0; node < nodeCount; ++node) {
+    for (std::int32_t c = super[node]; c < super[node + 1]; ++c)
+      nodeOf[static_cast<std::size_t>(c)] = node;
   }
-};
+  for (std::int32_t node = 0; node < nodeCount; ++node) {
+    if (rows(node) > columns(node))
+      parent[static_cast<std::size_t>(node)] =
+          nodeOf[static_cast<std::size_t>(s[pi[node] + columns(node)])];
+  }
+}
 
 SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern, Ordering ordering) {
   auto impl = std::make_shared<Impl>();

@@ -40,6 +40,7 @@ class SymbolicCholesky {
 
  private:
   friend class Cholesky;
+  friend class SingleCholesky;
   struct Impl;
   std::shared_ptr<const Impl> impl_;
 };

@@ -5,6 +5,8 @@
 #include <ecorche/mesh/cholesky.h>
 
 #include <atomic>
+#include <cstdint>
+#include <vector>
 
 // What the sources around CHOLMOD share; for them alone.
 
@@ -48,6 +50,43 @@ class BlasThreads {
     return count;
   }
   bool wide_;
+};
+
+// The symbolic factor as CHOLMOD lays it out, and what follows from it. A node is a supernode:
+// columns with the same rows below them, kept as one dense panel of which the upper square is
+// triangular.
+struct Supernodes {
+  std::int32_t n = 0;
+  std::int32_t nodeCount = 0;
+  // CHOLMOD's own; rows here are in its order
+  const std::int32_t* perm = nullptr;
+  const std::int32_t* super = nullptr;  // #nodes+1, first column
+  const std::int32_t* pi = nullptr;     // #nodes+1, first of its rows in s
+  const std::int32_t* px = nullptr;     // #nodes+1, first of its panel among all entries
+  const std::int32_t* s = nullptr;
+  std::vector<std::int32_t> inverse;
+  std::vector<std::int32_t> nodeOf;
+  std::vector<std::int32_t> parent;  // −1: a root
+
+  /// @param L  supernodal; must outlive this
+  explicit Supernodes(const cholmod_factor& L);
+
+  [[nodiscard]] std::int32_t columns(std::int32_t node) const {
+    return super[node + 1] - super[node];
+  }
+  [[nodiscard]] std::int32_t rows(std::int32_t node) const { return pi[node + 1] - pi[node]; }
+};
+
+struct SymbolicCholesky::Impl {
+  mutable Common common;
+  std::vector<std::int32_t> first;
+  std::vector<std::int32_t> index;
+  cholmod_factor* L = nullptr;
+
+  ~Impl() { cholmod_free_factor(&L, common); }
+
+  // The matrix as CHOLMOD sees it, over our own arrays
+  [[nodiscard]] cholmod_sparse view(const double* values) const;
 };
 
 struct Cholesky::Impl {

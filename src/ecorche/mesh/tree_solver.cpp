@@ -1,6 +1,7 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/cholesky_impl.h>
+#include <ecorche/mesh/single_cholesky.h>
 #include <ecorche/mesh/tree_solver.h>
 
 #include <xmmintrin.h>
@@ -8,8 +9,7 @@
 #include <algorithm>
 #include <type_traits>
 
-// Letters: L factor, K = P L Lᵀ Pᵀ. A node is a supernode: columns with the same rows below them,
-// kept as one dense panel of which the upper square is triangular.
+// Letters: L factor, K = P L Lᵀ Pᵀ. Nodes are supernodes (cholesky_impl.h); rows in the order of L.
 
 namespace ecorche::mesh {
 
@@ -67,26 +67,12 @@ class FlushDenormals {
 }  // namespace
 
 template <class Scalar>
-struct TreeSolver<Scalar>::Impl {
-  std::shared_ptr<const Cholesky> factor;
+struct TreeSolver<Scalar>::Impl : Supernodes {
+  std::shared_ptr<const void> factor;  // that the rest points into
   std::vector<Scalar> copied;
-  const Scalar* x = nullptr;
-  // All of CHOLMOD's; rows here are in its order
-  std::int32_t n = 0;
-  std::int32_t nodeCount = 0;
-  const std::int32_t* perm = nullptr;
-  const std::int32_t* super = nullptr;  // #nodes+1, first column
-  const std::int32_t* pi = nullptr;     // #nodes+1, first of its rows in s
-  const std::int32_t* px = nullptr;     // #nodes+1, first of its panel in x
-  const std::int32_t* s = nullptr;
-  std::vector<std::int32_t> inverse;
-  std::vector<std::int32_t> nodeOf;
-  std::vector<std::int32_t> parent;
+  std::vector<const Scalar*> panel;  // #nodes
 
-  [[nodiscard]] std::int32_t columns(std::int32_t node) const {
-    return super[node + 1] - super[node];
-  }
-  [[nodiscard]] std::int32_t rows(std::int32_t node) const { return pi[node + 1] - pi[node]; }
+  explicit Impl(const cholmod_factor& L) : Supernodes(L) {}
 
   // Where each of a path's nodes has its rows in a block; −1 off the path
   [[nodiscard]] std::vector<std::int32_t> placeOf(const Path& path) const {
@@ -123,12 +109,12 @@ struct TreeSolver<Scalar>::Impl {
       if (m <= 0) continue;
       const std::int32_t c = this->columns(node);
       const std::int32_t r = rows(node);
-      const Scalar* panel = x + px[node];
+      const Scalar* L = panel[k];
       Scalar* y = Z.data() + place[k] * width + lo[k];
-      divide(CblasTrans, m, c, panel, r, y, static_cast<int>(width));
+      divide(CblasTrans, m, c, L, r, y, static_cast<int>(width));
       if (r == c) continue;
       below.resize(static_cast<std::size_t>(m) * static_cast<std::size_t>(r - c));
-      subtractProduct(CblasTrans, m, r - c, c, y, static_cast<int>(width), panel + c, r, Scalar(0),
+      subtractProduct(CblasTrans, m, r - c, c, y, static_cast<int>(width), L + c, r, Scalar(0),
                       below.data(), m);
       for (std::int32_t j = 0; j < r - c; ++j) {
         const std::int32_t row = s[pi[node] + c + j];
@@ -154,40 +140,29 @@ struct TreeSolver<Scalar>::Impl {
 };
 
 template <class Scalar>
-TreeSolver<Scalar>::TreeSolver(std::shared_ptr<const Cholesky> factor)
-    : impl_(std::make_unique<Impl>()) {
+TreeSolver<Scalar>::TreeSolver(std::shared_ptr<const Cholesky> factor) {
   EC_REQUIRE(factor != nullptr && factor->ok());
+  const cholmod_factor& L = *factor->impl_->L;
+  impl_ = std::make_unique<Impl>(L);
   Impl& I = *impl_;
   I.factor = std::move(factor);
-  const cholmod_factor& L = *I.factor->impl_->L;
-  EC_REQUIRE(L.is_super != 0);
-  I.n = static_cast<std::int32_t>(L.n);
-  I.nodeCount = static_cast<std::int32_t>(L.nsuper);
-  I.perm = static_cast<const std::int32_t*>(L.Perm);
-  I.super = static_cast<const std::int32_t*>(L.super);
-  I.pi = static_cast<const std::int32_t*>(L.pi);
-  I.px = static_cast<const std::int32_t*>(L.px);
-  I.s = static_cast<const std::int32_t*>(L.s);
   const auto* values = static_cast<const double*>(L.x);
+  const Scalar* x = nullptr;
   if constexpr (std::is_same_v<Scalar, double>) {
-    I.x = values;
+    x = values;
   } else {
     I.copied.assign(values, values + L.xsize);
-    I.x = I.copied.data();
+    x = I.copied.data();
   }
-  I.inverse.resize(L.n);
-  I.nodeOf.resize(L.n);
-  for (std::int32_t i = 0; i < I.n; ++i) I.inverse[static_cast<std::size_t>(I.perm[i])] = i;
-  I.parent.assign(static_cast<std::size_t>(I.nodeCount), -1);
-  for (std::int32_t node = 0; node < I.nodeCount; ++node) {
-    for (std::int32_t c = I.super[node]; c < I.super[node + 1]; ++c)
-      I.nodeOf[static_cast<std::size_t>(c)] = node;
-  }
-  for (std::int32_t node = 0; node < I.nodeCount; ++node) {
-    if (I.rows(node) > I.columns(node))
-      I.parent[static_cast<std::size_t>(node)] =
-          I.nodeOf[static_cast<std::size_t>(I.s[I.pi[node] + I.columns(node)])];
-  }
+  for (std::int32_t node = 0; node < I.nodeCount; ++node) I.panel.push_back(x + I.px[node]);
+}
+template <class Scalar>
+TreeSolver<Scalar>::TreeSolver(
+    std::shared_ptr<const SingleCholesky> factor) requires std::is_same_v<Scalar, float> {
+  EC_REQUIRE(factor != nullptr && factor->ok());
+  impl_ = std::make_unique<Impl>(factor->symbolicFactor());
+  impl_->panel = factor->panels();
+  impl_->factor = std::move(factor);
 }
 template <class Scalar>
 TreeSolver<Scalar>::~TreeSolver() = default;
@@ -352,11 +327,11 @@ auto TreeSolver<Scalar>::backward(const Path& path, const Block& block, double t
       std::copy_n(block.data() + static_cast<std::ptrdiff_t>(place[k]) * width,
                   static_cast<std::ptrdiff_t>(c) * width, values.begin());
     }
-    const Scalar* panel = I.x + I.px[node];
+    const Scalar* L = I.panel[k];
     if (below > 0)
-      subtractProduct(CblasNoTrans, m, c, below, above.data(), m, panel + c, c + below, Scalar(1),
+      subtractProduct(CblasNoTrans, m, c, below, above.data(), m, L + c, c + below, Scalar(1),
                       values.data(), m);
-    divide(CblasNoTrans, m, c, panel, c + below, values.data(), m);
+    divide(CblasNoTrans, m, c, L, c + below, values.data(), m);
     Scalar* y = X + static_cast<std::ptrdiff_t>(I.super[node]) * width;
     if (m < width) std::fill_n(y, static_cast<std::ptrdiff_t>(c) * width, Scalar(0));
     const Scalar* value = values.data();

@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace ecorche::mesh {
+
+class SingleCholesky;
 
 /// Columns of a right side that is nothing in most rows.
 struct SparseColumns {
@@ -40,6 +43,9 @@ class TreeSolver {
  public:
   /// @param factor  ok(); kept
   explicit TreeSolver(std::shared_ptr<const Cholesky> factor);
+  /// With a factor that was made in 32 bits: nothing is copied.
+  explicit TreeSolver(
+      std::shared_ptr<const SingleCholesky> factor) requires std::is_same_v<Scalar, float>;
   ~TreeSolver();
   TreeSolver(TreeSolver&&) noexcept;
   TreeSolver& operator=(TreeSolver&&) noexcept;
