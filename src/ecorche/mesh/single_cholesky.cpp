@@ -340,22 +340,12 @@ SingleCholesky::SingleCholesky(const std::shared_ptr<const SingleCholesky>& befo
   const Supernodes& t = I.plan->tree;
   I.panel = before->impl_->panel;
   I.made.assign(I.panel.size(), nullptr);
-  std::vector<std::uint8_t> on(I.panel.size(), 0);
-  for (const std::int32_t r : changed) {
-    for (std::int32_t node =
-             t.nodeOf[static_cast<std::size_t>(t.inverse[static_cast<std::size_t>(r)])];
-         node >= 0 && on[static_cast<std::size_t>(node)] == 0;
-         node = t.parent[static_cast<std::size_t>(node)])
-      on[static_cast<std::size_t>(node)] = 1;
-  }
+  const std::vector<std::uint8_t> on = before->ancestors(changed);
   std::size_t size = 0;
-  double work = 0.0;
   for (std::size_t node = 0; node < on.size(); ++node) {
-    if (on[node] == 0) continue;
-    size += static_cast<std::size_t>(t.px[node + 1] - t.px[node]);
-    work += I.plan->work[node];
+    if (on[node] != 0) size += static_cast<std::size_t>(t.px[node + 1] - t.px[node]);
   }
-  I.share = work / std::accumulate(I.plan->work.begin(), I.plan->work.end(), 0.0);
+  I.share = before->shareOf(changed);
   I.own = std::make_unique_for_overwrite<float[]>(size);
   float* next = I.own.get();
   for (std::size_t node = 0; node < on.size(); ++node) {
@@ -367,6 +357,32 @@ SingleCholesky::SingleCholesky(const std::shared_ptr<const SingleCholesky>& befo
   I.make(values, stop);
 }
 SingleCholesky::~SingleCholesky() = default;
+
+// Nodes on the way from rows to the root.
+std::vector<std::uint8_t> SingleCholesky::ancestors(std::span<const std::int32_t> changed) const {
+  const Supernodes& t = impl_->plan->tree;
+  std::vector<std::uint8_t> on(impl_->panel.size(), 0);
+  for (const std::int32_t r : changed) {
+    for (std::int32_t node =
+             t.nodeOf[static_cast<std::size_t>(t.inverse[static_cast<std::size_t>(r)])];
+         node >= 0 && on[static_cast<std::size_t>(node)] == 0;
+         node = t.parent[static_cast<std::size_t>(node)])
+      on[static_cast<std::size_t>(node)] = 1;
+  }
+  return on;
+}
+
+double SingleCholesky::shareOf(std::span<const std::int32_t> changed) const {
+  const std::vector<std::uint8_t> on = ancestors(changed);
+  const std::vector<double>& work = impl_->plan->work;
+  double some = 0.0;
+  double all = 0.0;
+  for (std::size_t node = 0; node < on.size(); ++node) {
+    all += work[node];
+    if (on[node] != 0) some += work[node];
+  }
+  return some / all;
+}
 
 bool SingleCholesky::ok() const { return impl_->ok; }
 double SingleCholesky::shareMade() const { return impl_->share; }

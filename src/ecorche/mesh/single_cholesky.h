@@ -40,6 +40,8 @@ class SingleCholesky {
   [[nodiscard]] bool ok() const;
   /// Of the work of a whole factor, how much was done [0, 1].
   [[nodiscard]] double shareMade() const;
+  /// How much it would be for another with these rows changed.
+  [[nodiscard]] double shareOf(std::span<const std::int32_t> changed) const;
 
  private:
   template <class Scalar>
@@ -47,6 +49,7 @@ class SingleCholesky {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 
+  [[nodiscard]] std::vector<std::uint8_t> ancestors(std::span<const std::int32_t> changed) const;
   [[nodiscard]] const cholmod_factor_struct& symbolicFactor() const;
   [[nodiscard]] const std::vector<const float*>& panels() const;
 };

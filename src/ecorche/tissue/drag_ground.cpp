@@ -25,8 +25,16 @@ DragGround::DragGround(std::shared_ptr<const TissueSolver> theSolver,
     : solver(std::move(theSolver)),
       tree(factor),
       K(solver->stiffness()),
-      rows(mesh::neighbourRows(solver->pattern())) {
+      rows(std::make_shared<const mesh::NeighbourRows>(mesh::neighbourRows(solver->pattern()))) {
   addRows(solver->domain(), solver->pattern(), cores.samples, 1.0, K);
 }
+
+DragGround::DragGround(std::shared_ptr<const TissueSolver> theSolver,
+                       std::shared_ptr<const mesh::SingleCholesky> factor,
+                       std::vector<double> matrix, std::shared_ptr<const mesh::NeighbourRows> both)
+    : solver(std::move(theSolver)),
+      tree(std::move(factor)),
+      K(std::move(matrix)),
+      rows(std::move(both)) {}
 
 }  // namespace ecorche::tissue

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ecorche/mesh/single_cholesky.h>
 #include <ecorche/mesh/tree_solver.h>
 #include <ecorche/tissue/tissue_solver.h>
 
@@ -13,11 +14,15 @@ struct DragGround {
   std::shared_ptr<const TissueSolver> solver;
   mesh::TreeSolver<float> tree;
   std::vector<double> K;  ///< on the solver's pattern, rows of all curves in it
-  mesh::NeighbourRows rows;
+  std::shared_ptr<const mesh::NeighbourRows> rows;
 
   /// @param factor  of these cores, by this solver; not null
   DragGround(std::shared_ptr<const TissueSolver> solver, const TissueSolver::Factor& factor,
              const CoreSamples& cores);
+  /// @param factor  of K; ok()
+  DragGround(std::shared_ptr<const TissueSolver> solver,
+             std::shared_ptr<const mesh::SingleCholesky> factor, std::vector<double> K,
+             std::shared_ptr<const mesh::NeighbourRows> rows);
 };
 
 /// K += times · Bᵀ W B of some rows.

@@ -64,6 +64,16 @@ Components findComponents(const mesh::TetMesh& mesh, const mesh::StiffnessPatter
   return out;
 }
 
+std::size_t tissueOf(const CoreSample& s) {
+  return static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
+}
+
+// D where a row reads
+double targetAt(const std::vector<CurveTissue>& tissues, const CoreSample& s) {
+  const TissueCurve& curve = tissues[tissueOf(s)].curves[static_cast<std::size_t>(s.curve)];
+  return curve.spline.interpolate(curve.values, s.u);
+}
+
 }  // namespace
 
 struct TissueSolver::Impl {
@@ -188,6 +198,60 @@ struct TissueSolver::Impl {
     return out;
   }
 
+  // Fields before anything is solved: fat on skin
+  struct Begun {
+    TissueFields fields;
+    std::vector<double> largest;  // per tissue
+    double fat = 0.0;
+  };
+  [[nodiscard]] Begun begin(const std::vector<CurveTissue>& tissues,
+                            const TissueOptions& options) const {
+    Begun begun;
+    begun.fat = options.fat;
+    TissueFields& out = begun.fields;
+    std::vector<double>& largest = begun.largest;
+    out.findings = findings;
+    out.fatIsCandidate = options.fat > 0.0;
+    out.maxValue = options.fat;
+    largest.assign(tissues.size(), 0.0);
+    for (std::size_t i = 0; i < tissues.size(); ++i) {
+      for (const TissueCurve& c : tissues[i].curves) {
+        for (const double value : c.values) largest[i] = std::max(largest[i], value);
+      }
+      out.maxValue = std::max(out.maxValue, largest[i]);
+    }
+    out.values = FieldMatrix::Zero(domain.mesh.V.rows(), std::ssize(tissues) + 1);
+    for (std::size_t v = 0; v < domain.onSkin.size(); ++v) {
+      if (domain.onSkin[v] != 0) out.values(static_cast<Eigen::Index>(v), 0) = options.fat;
+    }
+    return begun;
+  }
+
+  // What follows once rows are solved
+  [[nodiscard]] Result<TissueFields> finish(Begun begun, const CoreSamples& cores,
+                                            const std::vector<double>& target) const {
+    TissueFields& out = begun.fields;
+    out.uncorrected = correctNearCurves(domain, cores, target, out.values);
+
+    // How far poor tets break the maximum principle
+    if (out.maxValue > 0.0) {
+      const Eigen::RowVectorXd lowest = out.values.colwise().minCoeff();
+      const Eigen::RowVectorXd highest = out.values.colwise().maxCoeff();
+      out.undershoot = std::max(0.0, -lowest.minCoeff()) / out.maxValue;
+      out.overshoot = std::max(0.0, highest[0] - begun.fat) / out.maxValue;
+      for (std::size_t i = 0; i < begun.largest.size(); ++i) {
+        out.overshoot =
+            std::max(out.overshoot,
+                     (highest[static_cast<Eigen::Index>(i) + 1] - begun.largest[i]) / out.maxValue);
+      }
+    }
+    if (!out.values.allFinite()) {
+      return fail(ErrorCode::SystemSingular,
+                  "the tissue fields are not finite; build the domain at another resolution");
+    }
+    return std::move(out);
+  }
+
   [[nodiscard]] tl::unexpected<Error> singular(const mesh::Cholesky& factor,
                                                const std::string& who) const {
     const Vector3 p = place(factor.badRow());
@@ -246,6 +310,12 @@ TissueSolver::~TissueSolver() = default;
 const domain::Domain& TissueSolver::domain() const { return impl_->domain; }
 const mesh::StiffnessPattern& TissueSolver::pattern() const { return impl_->pattern; }
 const std::vector<double>& TissueSolver::stiffness() const { return impl_->L; }
+Result<void> TissueSolver::checkHeld(const CoreSamples& cores) const {
+  return impl_->checkHeld(cores);
+}
+const mesh::SymbolicCholesky* TissueSolver::symbolic() const {
+  return impl_->symbolic ? &*impl_->symbolic : nullptr;
+}
 double TissueSolver::factorEntries() const { return impl_->symbolic->factorEntries(); }
 
 Result<TissueSolver> TissueSolver::create(const Domain& domain, RunContext& run) {
@@ -353,28 +423,11 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
                                          const TissueOptions& options, RunContext& run) const {
   const Impl& I = *impl_;
   if (run.cancelled()) return cancelled();
-  const auto tissueCount = static_cast<Eigen::Index>(tissues.size());
   const Eigen::Index n = I.pattern.rowCount();
-  const auto tissueOf = [&](const CoreSample& s) {
-    return static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
-  };
 
-  TissueFields out;
-  out.findings = I.findings;
-  out.fatIsCandidate = options.fat > 0.0;
-  out.maxValue = options.fat;
-  std::vector<double> largest(tissues.size(), 0.0);
-  for (std::size_t i = 0; i < tissues.size(); ++i) {
-    for (const TissueCurve& c : tissues[i].curves) {
-      for (const double value : c.values) largest[i] = std::max(largest[i], value);
-    }
-    out.maxValue = std::max(out.maxValue, largest[i]);
-  }
-  out.values = FieldMatrix::Zero(I.domain.mesh.V.rows(), tissueCount + 1);
-  for (std::size_t v = 0; v < I.domain.onSkin.size(); ++v) {
-    if (I.domain.onSkin[v] != 0) out.values(static_cast<Eigen::Index>(v), 0) = options.fat;
-  }
-  if (n == 0) return out;
+  Impl::Begun begun = I.begin(tissues, options);
+  TissueFields& out = begun.fields;
+  if (n == 0) return std::move(out);
 
   // Right-hand sides. Column 0: all curves at 1, for fat. One per isotropic tissue: Bᵀ W d. Seven
   // per anisotropic one: the logarithm of its tensor on its own rows, and their weights.
@@ -391,9 +444,7 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
   std::vector<double> target(cores.samples.size());
   for (std::size_t s = 0; s < cores.samples.size(); ++s) {
     const CoreSample& sample = cores.samples[s];
-    const TissueCurve& curve =
-        tissues[tissueOf(sample)].curves[static_cast<std::size_t>(sample.curve)];
-    target[s] = curve.spline.interpolate(curve.values, sample.u);
+    target[s] = targetAt(tissues, sample);
     I.addTarget(sample, sample.weight, X.col(0));
     if (tissues[tissueOf(sample)].anisotropy.isIsotropic()) {
       I.addTarget(sample, sample.weight * target[s], X.col(column[tissueOf(sample)]));
@@ -445,24 +496,38 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
     }
   });
 
-  out.uncorrected = correctNearCurves(I.domain, cores, target, out.values);
+  return I.finish(std::move(begun), cores, target);
+}
 
-  // How far poor tets break the maximum principle
-  if (out.maxValue > 0.0) {
-    const Eigen::RowVectorXd lowest = out.values.colwise().minCoeff();
-    const Eigen::RowVectorXd highest = out.values.colwise().maxCoeff();
-    out.undershoot = std::max(0.0, -lowest.minCoeff()) / out.maxValue;
-    out.overshoot = std::max(0.0, highest[0] - options.fat) / out.maxValue;
-    for (std::size_t i = 0; i < tissues.size(); ++i) {
-      out.overshoot = std::max(
-          out.overshoot, (highest[static_cast<Eigen::Index>(i) + 1] - largest[i]) / out.maxValue);
+FieldMatrix TissueSolver::rightSides(const CoreSamples& cores,
+                                     const std::vector<CurveTissue>& tissues) const {
+  const Impl& I = *impl_;
+  FieldMatrix b = FieldMatrix::Zero(I.pattern.rowCount(), std::ssize(tissues) + 1);
+  for (const CoreSample& s : cores.samples) {
+    const double target = targetAt(tissues, s);
+    for (int k = 0; k < 4; ++k) {
+      const std::int32_t r = I.row(s, k);
+      if (r < 0) continue;
+      b(r, 0) += s.weight * s.barycentric[k];
+      b(r, static_cast<Eigen::Index>(tissueOf(s)) + 1) += s.weight * target * s.barycentric[k];
     }
   }
-  if (!out.values.allFinite()) {
-    return fail(ErrorCode::SystemSingular,
-                "the tissue fields are not finite; build the domain at another resolution");
-  }
-  return out;
+  return b;
+}
+
+Result<TissueFields> TissueSolver::fieldsOf(const FieldMatrix& X, const CoreSamples& cores,
+                                            const std::vector<CurveTissue>& tissues,
+                                            const TissueOptions& options) const {
+  const Impl& I = *impl_;
+  Impl::Begun begun = I.begin(tissues, options);
+  parallelFor(I.pattern.rowCount(), [&](std::int64_t r) {
+    auto f = begun.fields.values.row(I.pattern.vertex[static_cast<std::size_t>(r)]);
+    f = X.row(r);
+    f[0] = options.fat * (1.0 - X(r, 0));
+  });
+  std::vector<double> target;
+  for (const CoreSample& s : cores.samples) target.push_back(targetAt(tissues, s));
+  return I.finish(std::move(begun), cores, target);
 }
 
 Result<TissueFields> solveTissueFields(const Domain& domain, const CoreSamples& cores,

@@ -72,6 +72,19 @@ class TissueSolver {
   [[nodiscard]] const mesh::StiffnessPattern& pattern() const;
   /// Isotropic energy of the fields, without curves, on the pattern.
   [[nodiscard]] const std::vector<double>& stiffness() const;
+  /// @errors  SystemSingular where nothing holds a part of the domain, as solve tells it
+  [[nodiscard]] Result<void> checkHeld(const CoreSamples& cores) const;
+  /// Null where every vertex is skin.
+  [[nodiscard]] const mesh::SymbolicCholesky* symbolic() const;
+  /// Right sides of isotropic tissues: column 0 all curves at 1, which gives fat, column i + 1
+  /// tissue i.
+  [[nodiscard]] FieldMatrix rightSides(const CoreSamples& cores,
+                                       const std::vector<CurveTissue>& tissues) const;
+  /// Fields from solutions of rightSides, corrected near curves.
+  /// @errors  SystemSingular where a number is not finite
+  [[nodiscard]] Result<TissueFields> fieldsOf(const FieldMatrix& X, const CoreSamples& cores,
+                                              const std::vector<CurveTissue>& tissues,
+                                              const TissueOptions& options) const;
   /// Entries of the factor, for reports.
   [[nodiscard]] double factorEntries() const;
 

@@ -22,12 +22,12 @@ double sweepTube(const DragGround& ground, const std::vector<double>& K,
   entries.reserve(16 * rows.size());
   for (const std::int32_t row : rows) {
     const auto r = static_cast<std::size_t>(row);
-    for (auto e = static_cast<std::size_t>(ground.rows.first[r]);
-         e < static_cast<std::size_t>(ground.rows.first[r + 1]); ++e) {
-      const std::int32_t at = place[static_cast<std::size_t>(ground.rows.neighbour[e])];
+    for (auto e = static_cast<std::size_t>(ground.rows->first[r]);
+         e < static_cast<std::size_t>(ground.rows->first[r + 1]); ++e) {
+      const std::int32_t at = place[static_cast<std::size_t>(ground.rows->neighbour[e])];
       if (at >= 0)
         entries.push_back(
-            {at, static_cast<float>(K[static_cast<std::size_t>(ground.rows.slot[e])])});
+            {at, static_cast<float>(K[static_cast<std::size_t>(ground.rows->slot[e])])});
     }
     first.push_back(static_cast<std::int32_t>(entries.size()));
     inverse.push_back(static_cast<float>(1.0 / K[static_cast<std::size_t>(pattern.diagonal(row))]));
@@ -56,7 +56,7 @@ double sweepTube(const DragGround& ground, const std::vector<double>& K,
 
 std::vector<std::int32_t> rowsAround(const DragGround& ground, std::span<const std::int32_t> rows,
                                      int edges) {
-  std::vector<std::uint8_t> in(ground.rows.first.size() - 1, 0);
+  std::vector<std::uint8_t> in(ground.rows->first.size() - 1, 0);
   std::vector<std::int32_t> out;
   const auto take = [&](std::int32_t r) {
     if (in[static_cast<std::size_t>(r)] != 0) return;
@@ -69,9 +69,9 @@ std::vector<std::int32_t> rowsAround(const DragGround& ground, std::span<const s
     const std::size_t end = out.size();
     for (; begin < end; ++begin) {
       const auto r = static_cast<std::size_t>(out[begin]);
-      for (auto i = static_cast<std::size_t>(ground.rows.first[r]);
-           i < static_cast<std::size_t>(ground.rows.first[r + 1]); ++i)
-        take(ground.rows.neighbour[i]);
+      for (auto i = static_cast<std::size_t>(ground.rows->first[r]);
+           i < static_cast<std::size_t>(ground.rows->first[r + 1]); ++i)
+        take(ground.rows->neighbour[i]);
     }
   }
   std::ranges::sort(out);

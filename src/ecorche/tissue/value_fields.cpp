@@ -2,6 +2,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/moved_fields.h>
 #include <ecorche/tissue/near_curves.h>
+#include <ecorche/tissue/refined_solve.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/value_fields.h>
 
@@ -63,7 +64,7 @@ Step stepTo(const Eigen::VectorXd& before, const Eigen::VectorXd& D) {
 struct ValueFields::Impl {
   std::shared_ptr<const domain::Domain> domain;
   std::shared_ptr<const TissueSolver> solver;
-  TissueSolver::Factor factor;
+  TissueSolver::Factor factor;  // null where `ground` is all there is
   CoreSamples cores;
   std::vector<CurveTissue> tissues;
   TissueOptions options;
@@ -89,6 +90,9 @@ struct ValueFields::Impl {
   Eigen::VectorXd corrected;  // of the last edit
 
   [[nodiscard]] Eigen::Index vertexCount() const { return domain->mesh.V.rows(); }
+  [[nodiscard]] bool stands() const { return factor != nullptr || ground != nullptr; }
+  [[nodiscard]] Result<Eigen::MatrixXd> solveRows(TissueId id, const Eigen::MatrixXd& targets,
+                                                  RunContext& run);
   void findRivals(Eigen::Index field);
   Changed take(Eigen::Index field);
   void keepUncorrected(Eigen::Index field, const Eigen::VectorXd& raw);
@@ -96,7 +100,7 @@ struct ValueFields::Impl {
   MovedFields::Told begin(std::vector<CurveRef> curves);
   [[nodiscard]] Basis& basisOf(std::size_t tissue);
   [[nodiscard]] Result<void> solveFor(Basis& basis, const std::vector<Eigen::Index>& points,
-                                      RunContext& run) const;
+                                      RunContext& run);
 };
 
 ValueFields::ValueFields(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -132,6 +136,63 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
   impl->fields = std::move(*fields);
   impl->owner = vertexOwners(impl->fields);
   return ValueFields(std::move(impl));
+}
+
+Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> domain,
+                                        Settling& settling, CoreSamples cores,
+                                        std::vector<CurveTissue> tissues, TissueOptions options,
+                                        RunContext& run,
+                                        std::shared_ptr<const CurveWalker> walker) {
+  auto settled = settling.solve(cores, tissues, options, run);
+  if (!settled) return passOn(settled);
+  auto impl = std::make_unique<Impl>();
+  impl->domain = std::move(domain);
+  impl->solver = settling.solver();
+  impl->cores = std::move(cores);
+  impl->tissues = std::move(tissues);
+  impl->options = options;
+  impl->walker = std::move(walker);
+  impl->factor = std::move(settled->factor);
+  impl->ground = std::move(settled->ground);
+  impl->fields = std::move(settled->fields);
+  if (settled->fat.size() > 0) impl->phiFat = std::move(settled->fat);
+  impl->owner = vertexOwners(impl->fields);
+  return ValueFields(std::move(impl));
+}
+
+// One isotropic tissue's equations for other targets, by the 32-bit factor unless it will not do.
+Result<Eigen::MatrixXd> ValueFields::Impl::solveRows(TissueId id, const Eigen::MatrixXd& targets,
+                                                     RunContext& run) {
+  const mesh::StiffnessPattern& pattern = solver->pattern();
+  FieldMatrix b = FieldMatrix::Zero(pattern.rowCount(), targets.cols());
+  for (std::size_t s = 0; s < cores.samples.size(); ++s) {
+    const CoreSample& sample = cores.samples[s];
+    if (sample.tissue != id) continue;
+    for (int k = 0; k < 4; ++k) {
+      const std::int32_t r = pattern.row[static_cast<std::size_t>(domain->mesh.T(sample.tet, k))];
+      if (r >= 0)
+        b.row(r) +=
+            sample.weight * sample.barycentric[k] * targets.row(static_cast<Eigen::Index>(s));
+    }
+  }
+  Eigen::VectorXd scale(targets.cols());
+  for (Eigen::Index c = 0; c < scale.size(); ++c)
+    scale[c] = std::max(targets.col(c).cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+  FieldMatrix X = FieldMatrix::Zero(b.rows(), b.cols());
+  const Refined refined = refinedSolve(*ground, b, scale, X, [&] { return run.cancelled(); });
+  if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while solving tissue fields");
+  if (!refined.done) {
+    auto whole = solver->factorise(cores, options, run);
+    if (!whole) return passOn(whole);
+    factor = std::move(*whole);
+    return solver->solveTargets(factor, cores, tissues,
+                                static_cast<std::size_t>(id.value - kFirstMuscle.value), targets,
+                                run);
+  }
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(vertexCount(), X.cols());
+  for (Eigen::Index r = 0; r < X.rows(); ++r)
+    out.row(pattern.vertex[static_cast<std::size_t>(r)]) = X.row(r);
+  return out;
 }
 
 // Ties as ownerOf decides them: of equal fields the tissue of lowest id wins, fat always loses.
@@ -253,7 +314,7 @@ Basis& ValueFields::Impl::basisOf(std::size_t tissue) {
 // Gets φ of these points and the field as it stands. Where a tissue has a matrix of its own, making
 // that is the work: all points come along.
 Result<void> ValueFields::Impl::solveFor(Basis& basis, const std::vector<Eigen::Index>& points,
-                                         RunContext& run) const {
+                                         RunContext& run) {
   const auto tissue = static_cast<std::size_t>(basis.field - 1);
   std::vector<Eigen::Index> wanted;
   const auto ask = [&](Eigen::Index p) {
@@ -271,7 +332,8 @@ Result<void> ValueFields::Impl::solveFor(Basis& basis, const std::vector<Eigen::
   for (std::size_t k = 0; k < wanted.size(); ++k)
     targets.col(static_cast<Eigen::Index>(k)) = basis.hat.col(wanted[k]);
   if (field) targets.rightCols(1) = basis.hat * basis.D;
-  const auto solved = solver->solveTargets(factor, cores, tissues, tissue, targets, run);
+  const auto solved = factor ? solver->solveTargets(factor, cores, tissues, tissue, targets, run)
+                             : solveRows(TissueId(basis.field + 1), targets, run);
   if (!solved) return passOn(solved);
   for (std::size_t k = 0; k < wanted.size(); ++k)
     basis.phi[static_cast<std::size_t>(wanted[k])] = solved->col(static_cast<Eigen::Index>(k));
@@ -369,14 +431,14 @@ bool ValueFields::isAdrift() const { return impl_->adrift; }
 
 void ValueFields::prepareMove(const std::vector<CurveRef>& curves) {
   Impl& I = *impl_;
-  if (!I.factor || I.adrift || (I.moving && I.moving->moved() == curves)) return;
+  if (!I.stands() || I.adrift || (I.moving && I.moving->moved() == curves)) return;
   I.stand();
   if (!curves.empty()) (void)I.begin(curves);
 }
 
 ValueFields::Changed ValueFields::moveCurves(const std::vector<CurveMove>& moves) {
   Impl& I = *impl_;
-  if (moves.empty() || !I.factor) return {};
+  if (moves.empty() || !I.stands()) return {};
   std::vector<CurveRef> wanted;
   if (I.moving) wanted = I.moving->moved();
   bool anew = !I.moving;

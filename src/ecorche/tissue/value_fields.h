@@ -2,6 +2,7 @@
 
 #include <ecorche/domain/domain.h>
 #include <ecorche/tissue/curve_drag.h>
+#include <ecorche/tissue/settling.h>
 #include <ecorche/tissue/tissue_solver.h>
 
 #include <Eigen/Core>
@@ -30,6 +31,12 @@ class ValueFields {
   [[nodiscard]] static Result<ValueFields> create(std::shared_ptr<const domain::Domain> domain,
                                                   std::shared_ptr<const TissueSolver> solver,
                                                   CoreSamples cores,
+                                                  std::vector<CurveTissue> tissues,
+                                                  TissueOptions options, RunContext& run,
+                                                  std::shared_ptr<const CurveWalker> walker = {});
+  /// The same by what is left to do since `settling` last solved.
+  [[nodiscard]] static Result<ValueFields> create(std::shared_ptr<const domain::Domain> domain,
+                                                  Settling& settling, CoreSamples cores,
                                                   std::vector<CurveTissue> tissues,
                                                   TissueOptions options, RunContext& run,
                                                   std::shared_ptr<const CurveWalker> walker = {});

@@ -1,0 +1,225 @@
+#include <ecorche/core/parallel.h>
+#include <ecorche/tissue/curve_trace.h>
+#include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/settling.h>
+#include <ecorche/tissue/value_fields.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "support/cases.h"
+#include "support/generated_domain.h"
+#include "tissue/curves.h"
+
+using namespace ecorche;
+using namespace ecorche::tissue;
+using mesh::Vector3;
+using test::muscle;
+
+namespace {
+
+// A limb without bones that a hand edits, and what it takes to solve for it from scratch.
+struct Limb {
+  std::shared_ptr<const domain::Domain> domain;
+  std::shared_ptr<const TissueSolver> solver;
+  CurveWalker walker;
+  TissueOptions options;
+  RunContext run;
+  std::vector<CurveTissue> list;
+  int named = 0;
+  std::mt19937_64 random;
+
+  explicit Limb(std::uint64_t seed)
+      : domain(std::make_shared<const domain::Domain>(
+            test::cylinderDomain(1.0, 2.0, 9 + int(seed % 5), 9))),
+        walker(*domain),
+        random(seed) {
+    options.fat = 0.3;
+    solver =
+        std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
+    for (int i = 0; i < 3; ++i) list.push_back(drawn());
+  }
+  double uniform(double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  }
+  std::size_t below(std::size_t count) { return random() % count; }
+  Vector3 place(double z) { return {uniform(-0.5, 0.5), uniform(-0.5, 0.5), z}; }
+  CurveTissue drawn() {
+    std::vector<Vector3> points;
+    const auto count = 2 + below(3);
+    for (std::size_t k = 0; k < count; ++k)
+      points.push_back(place(0.2 + 1.6 * double(k) / double(count - 1)));
+    return muscle("muscle " + std::to_string(++named), points, uniform(0.4, 1.5));
+  }
+  [[nodiscard]] CoreSamples cores() {
+    return traceCurves(walker, *domain, list, options, run).value();
+  }
+  [[nodiscard]] TissueFields anew() { return solver->solve(cores(), list, options, run).value(); }
+
+  // Any of the edits that a hand makes
+  void edit() {
+    CurveTissue& tissue = list[below(list.size())];
+    TissueCurve& curve = tissue.curves[below(tissue.curves.size())];
+    auto points = curve.spline.points();
+    const auto at = below(points.size());
+    switch (below(8)) {
+      case 0:
+        curve.values[at] = uniform(0.2, 2.0);
+        return;
+      case 1:
+        options.fat = below(4) == 0 ? 0.0 : uniform(0.1, 0.6);
+        return;
+      case 2:
+      case 3:
+        points[at] = place(points[at].z() + uniform(-0.1, 0.1));
+        break;
+      case 4:
+        if (points.size() > 6) return;
+        points.insert(points.begin() + std::ptrdiff_t(at) + 1,
+                      place(points[at].z() + uniform(0.02, 0.1)));
+        curve.values.insert(curve.values.begin() + std::ptrdiff_t(at) + 1, uniform(0.4, 1.5));
+        break;
+      case 5:
+        if (points.size() < 3) return;
+        points.erase(points.begin() + std::ptrdiff_t(at));
+        curve.values.erase(curve.values.begin() + std::ptrdiff_t(at));
+        break;
+      case 6:
+        if (below(2) == 0) {
+          tissue.curves.push_back(drawn().curves[0]);
+        } else {
+          list.insert(list.begin() + std::ptrdiff_t(below(list.size())), drawn());
+        }
+        return;
+      default:
+        if (tissue.curves.size() > 1) {
+          tissue.curves.pop_back();
+        } else if (list.size() > 1) {
+          list.erase(list.begin() + (&tissue - list.data()));
+        }
+        return;
+    }
+    curve.spline = mesh::Spline(points);
+  }
+};
+
+// Owners are the same but where the two largest fields are as good as equal
+void checkOwners(const TissueFields& a, const TissueFields& b) {
+  const auto ownersA = vertexOwners(a);
+  const auto ownersB = vertexOwners(b);
+  for (std::size_t v = 0; v < ownersA.size(); ++v) {
+    if (ownersA[v] == ownersB[v]) continue;
+    auto row = b.values.row(Eigen::Index(v));
+    CHECK(std::abs(row[ownersA[v].value - 1] - row[ownersB[v].value - 1]) < 1e-8 * b.maxValue);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("any hundred edits end in the fields of a solve from scratch") {
+  for (const std::uint64_t seed : test::casesHere(12)) {
+    INFO("seed " << seed);
+    Limb limb(seed + 1);
+    Settling settling(limb.solver);
+    int fromBefore = 0;
+    for (int step = 0; step < 100; ++step) {
+      INFO("step " << step);
+      limb.edit();
+      const auto settled = settling.solve(limb.cores(), limb.list, limb.options, limb.run);
+      REQUIRE(settled);
+      REQUIRE(settled->ground);
+      fromBefore += settled->factored < 1.0;
+      if (step % 10 != 9) continue;
+      const TissueFields fresh = limb.anew();
+      CHECK((settled->fields.values - fresh.values).cwiseAbs().maxCoeff() < 1e-8 * fresh.maxValue);
+      CHECK((settled->fields.uncorrected.values - fresh.uncorrected.values).cwiseAbs().maxCoeff() <
+            1e-8 * fresh.maxValue);
+      CHECK(settled->fields.uncorrected.vertex == fresh.uncorrected.vertex);
+      CHECK(settled->fields.fatIsCandidate == fresh.fatIsCandidate);
+      CHECK(settled->fields.maxValue == fresh.maxValue);
+      checkOwners(settled->fields, fresh);
+    }
+    CHECK(fromBefore > 20);
+  }
+}
+
+TEST_CASE("what has been settled answers edits of values and fat, and moves") {
+  Limb limb(3);
+  Settling settling(limb.solver);
+  const auto make = [&] {
+    return ValueFields::create(limb.domain, settling, limb.cores(), limb.list, limb.options,
+                               limb.run)
+        .value();
+  };
+  (void)make();
+  limb.list[0].curves[0].spline = mesh::Spline({{0.2, 0.1, 0.2}, {0.3, 0.2, 1.0}, {0.1, 0.2, 1.7}});
+  limb.list[0].curves[0].values = {1.0, 0.8, 0.9};
+  ValueFields fields = make();
+
+  limb.list[0].curves[0].values = {1.0, 1.3, 0.9};
+  REQUIRE(fields.setValues(0, {limb.list[0].curves[0].values}, limb.run));
+  limb.options.fat = 0.5;
+  (void)fields.setFat(0.5);
+  const TissueFields fresh = limb.anew();
+  CHECK((fields.fields().values - fresh.values).cwiseAbs().maxCoeff() < 1e-8 * fresh.maxValue);
+  checkOwners(fields.fields(), fresh);
+
+  auto points = limb.list[0].curves[0].spline.points();
+  points[1] += Vector3(0.05, -0.1, 0.05);
+  limb.list[0].curves[0].spline = mesh::Spline(points);
+  const auto moved = fields.moveCurves({{{0, 0}, limb.list[0].curves[0].spline}});
+  CHECK_FALSE(moved.vertices.empty());
+  const TissueFields after = limb.anew();
+  CHECK((fields.fields().values - after.values).cwiseAbs().maxCoeff() < 0.03 * after.maxValue);
+  const ValueFields settled = make();
+  CHECK((settled.fields().values - after.values).cwiseAbs().maxCoeff() < 1e-8 * after.maxValue);
+}
+
+TEST_CASE("anisotropic tissues are solved for as a whole, and nothing else is forgotten") {
+  Limb limb(4);
+  Settling settling(limb.solver);
+  REQUIRE(settling.solve(limb.cores(), limb.list, limb.options, limb.run)->ground);
+  const auto isotropic = limb.list;
+  limb.list[1].anisotropy.lambda2 = 3.0;
+  const auto own = settling.solve(limb.cores(), limb.list, limb.options, limb.run);
+  REQUIRE(own);
+  CHECK(own->factor);
+  CHECK_FALSE(own->ground);
+  CHECK(own->fields.values == limb.anew().values);
+  limb.list = isotropic;
+  const auto again = settling.solve(limb.cores(), limb.list, limb.options, limb.run);
+  REQUIRE(again->ground);
+  CHECK(again->factored == 0.0);
+  CHECK(again->passes <= 1);
+}
+
+TEST_CASE("a cancelled solve leaves what was settled before") {
+  Limb limb(5);
+  Settling settling(limb.solver);
+  REQUIRE(settling.solve(limb.cores(), limb.list, limb.options, limb.run));
+  const auto before = limb.list;
+  limb.edit();
+  RunContext stopped;
+  stopped.cancel();
+  const auto none = settling.solve(limb.cores(), limb.list, limb.options, stopped);
+  REQUIRE_FALSE(none);
+  CHECK(none.error().code == ErrorCode::Cancelled);
+  limb.list = before;
+  CHECK(settling.solve(limb.cores(), limb.list, limb.options, limb.run)->factored == 0.0);
+}
+
+TEST_CASE("the same edits give the same bytes on any number of threads") {
+  const auto last = [](int threads) {
+    const ThreadLimit limit(threads);
+    Limb limb(6);
+    Settling settling(limb.solver);
+    FieldMatrix out;
+    for (int step = 0; step < 20; ++step) {
+      limb.edit();
+      out = settling.solve(limb.cores(), limb.list, limb.options, limb.run)->fields.values;
+    }
+    return out;
+  };
+  CHECK(last(1) == last(2));
+}
