@@ -57,7 +57,7 @@ struct Analysed {
   std::shared_ptr<const domain::DomainBuild> domain;
   std::shared_ptr<const tissue::CurveWalker> walker;
   tissue::KeptTraces traces;
-  std::shared_ptr<const tissue::TissueSolver> solver;
+  std::optional<tissue::Settling> settling;
   std::shared_ptr<const render::VolumeGeometry> geometry;
 };
 
@@ -286,7 +286,7 @@ Result<void> LiveEngine::Impl::analyse(RunContext& run) {
   analysed.walker = std::make_shared<const tissue::CurveWalker>(there);
   // Shared with those who edit values, and no longer there than its domain
   const auto held = std::make_shared<Held>(Held{*domain.made, std::move(*solver)});
-  analysed.solver = {held, &held->solver};
+  analysed.settling.emplace(std::shared_ptr<const tissue::TissueSolver>(held, &held->solver));
   analysed.geometry = std::make_shared<const render::VolumeGeometry>(
       std::shared_ptr<const mesh::TetMesh>(*domain.made, &there.mesh), there.neighbours);
   analysed.domain = *domain.made;
@@ -329,7 +329,7 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
 
   out->findings.insert(out->findings.end(), cores->findings.begin(), cores->findings.end());
   auto fields =
-      tissue::ValueFields::create({analysed.domain, &there}, analysed.solver, std::move(*cores),
+      tissue::ValueFields::create({analysed.domain, &there}, *analysed.settling, std::move(*cores),
                                   std::move(all), how, run, analysed.walker);
   if (!fields) return passOn(fields);
   out->fields = std::make_shared<tissue::ValueFields>(std::move(*fields));

@@ -80,6 +80,9 @@ SymbolicCholesky& SymbolicCholesky::operator=(SymbolicCholesky&&) noexcept = def
 std::int64_t SymbolicCholesky::rowCount() const {
   return static_cast<std::int64_t>(impl_->first.size()) - 1;
 }
+std::span<const std::int32_t> SymbolicCholesky::order() const {
+  return {static_cast<const std::int32_t*>(impl_->L->Perm), impl_->L->n};
+}
 double SymbolicCholesky::factorEntries() const { return static_cast<double>(impl_->L->xsize); }
 
 Cholesky::Cholesky(const SymbolicCholesky& symbolic, const std::vector<double>& values, int threads)

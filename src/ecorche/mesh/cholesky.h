@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace ecorche::mesh {
@@ -35,6 +36,8 @@ class SymbolicCholesky {
   SymbolicCholesky& operator=(SymbolicCholesky&&) noexcept;
 
   [[nodiscard]] std::int64_t rowCount() const;
+  /// Rows as they are eliminated: those of one part of the mesh stand together.
+  [[nodiscard]] std::span<const std::int32_t> order() const;
   /// Entries of the factor L.
   [[nodiscard]] double factorEntries() const;
 

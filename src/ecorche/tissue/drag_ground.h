@@ -15,6 +15,7 @@ struct DragGround {
   mesh::TreeSolver<float> tree;
   std::vector<double> K;  ///< on the solver's pattern, rows of all curves in it
   std::shared_ptr<const mesh::NeighbourRows> rows;
+  std::vector<std::int32_t> stubborn;  ///< rows that refined solves need 64 bits for, ascending
 
   /// @param factor  of these cores, by this solver; not null
   DragGround(std::shared_ptr<const TissueSolver> solver, const TissueSolver::Factor& factor,

@@ -3,27 +3,42 @@
 #include <ecorche/tissue/drag_ground.h>
 
 #include <functional>
+#include <span>
 
 namespace ecorche::tissue {
 
+/// Right sides that are nothing in most rows.
+struct SparseSides {
+  std::vector<std::int32_t> place;  ///< #rows, row of `value`; −1: nothing
+  FieldMatrix value;                ///< #rows with something × k
+
+  /// @param rows  of K, where something will be
+  SparseSides(std::int32_t rowCount, std::vector<std::int32_t> rows, Eigen::Index columns);
+};
+
 /// What came of a refinement.
 struct Refined {
-  bool done = false;        ///< false: stopped, or 32 bits are too few for this matrix
-  int passes = 0;           ///< solves with the factor
-  double lastStep = 0.0;    ///< of the last pass, over the column's scale
-  double visitedShare = 0;  ///< of the rows, by the mean pass
+  bool done = false;                   ///< false: stopped, or 32 bits are too few for this matrix
+  int passes = 0;                      ///< solves with the factor
+  double lastStep = 0.0;               ///< of the last pass, over the column's scale
+  double visitedShare = 0;             ///< of the rows, by the mean pass
+  std::vector<std::int32_t> stubborn;  ///< rows that took 64 bits: ground.stubborn and more
 };
 
 /// K X = b to 10⁻⁹ of each column's scale and better: residuals in 64 bits, corrections with the
 /// factor in 32 [Higham 2002, §12]. Each pass goes down the elimination tree from the rows where
 /// something is left, and back to where corrections are more than nothing: close to a solution, or
-/// for right sides of few rows, that is a small part of a solve.
+/// for right sides of few rows, that is a small part of a solve. Where a few rows hold on to each
+/// other so much that 32 bits cannot tell them apart (slivers), they are solved for among
+/// themselves after each pass.
 ///
 /// @param X      #rows×k, where to begin; solved in place
 /// @param scale  #k, largest value that a column may take; > 0
 /// @param stop   asked between passes
-[[nodiscard]] Refined refinedSolve(const DragGround& ground, const FieldMatrix& b,
+/// @param changed  where X solves another system but for these rows: the first pass begins there
+[[nodiscard]] Refined refinedSolve(const DragGround& ground, const SparseSides& b,
                                    const Eigen::Ref<const Eigen::VectorXd>& scale, FieldMatrix& X,
-                                   const std::function<bool()>& stop = {});
+                                   const std::function<bool()>& stop = {},
+                                   std::span<const std::int32_t> changed = {});
 
 }  // namespace ecorche::tissue

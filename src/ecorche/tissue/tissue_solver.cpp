@@ -234,20 +234,37 @@ struct TissueSolver::Impl {
     out.uncorrected = correctNearCurves(domain, cores, target, out.values);
 
     // How far poor tets break the maximum principle
+    const Eigen::Index k = out.values.cols();
+    constexpr std::int64_t kRows = 4096;
+    const std::int64_t chunks = (out.values.rows() + kRows - 1) / kRows;
+    Eigen::MatrixXd lowest = Eigen::MatrixXd::Zero(k, chunks);
+    Eigen::MatrixXd highest = Eigen::MatrixXd::Zero(k, chunks);
+    std::vector<std::uint8_t> finite(static_cast<std::size_t>(chunks));
+    parallelFor(
+        chunks,
+        [&](std::int64_t chunk) {
+          const auto rows = out.values.middleRows(
+              chunk * kRows, std::min<std::int64_t>(kRows, out.values.rows() - chunk * kRows));
+          for (const auto& row : rows.rowwise()) {
+            lowest.col(chunk) = lowest.col(chunk).cwiseMin(row.transpose());
+            highest.col(chunk) = highest.col(chunk).cwiseMax(row.transpose());
+          }
+          finite[static_cast<std::size_t>(chunk)] = rows.allFinite() ? 1 : 0;
+        },
+        1);
+    if (std::ranges::find(finite, 0) != finite.end()) {
+      return fail(ErrorCode::SystemSingular,
+                  "the tissue fields are not finite; build the domain at another resolution");
+    }
     if (out.maxValue > 0.0) {
-      const Eigen::RowVectorXd lowest = out.values.colwise().minCoeff();
-      const Eigen::RowVectorXd highest = out.values.colwise().maxCoeff();
+      const Eigen::VectorXd most = highest.rowwise().maxCoeff();
       out.undershoot = std::max(0.0, -lowest.minCoeff()) / out.maxValue;
-      out.overshoot = std::max(0.0, highest[0] - begun.fat) / out.maxValue;
+      out.overshoot = std::max(0.0, most[0] - begun.fat) / out.maxValue;
       for (std::size_t i = 0; i < begun.largest.size(); ++i) {
         out.overshoot =
             std::max(out.overshoot,
-                     (highest[static_cast<Eigen::Index>(i) + 1] - begun.largest[i]) / out.maxValue);
+                     (most[static_cast<Eigen::Index>(i) + 1] - begun.largest[i]) / out.maxValue);
       }
-    }
-    if (!out.values.allFinite()) {
-      return fail(ErrorCode::SystemSingular,
-                  "the tissue fields are not finite; build the domain at another resolution");
     }
     return std::move(out);
   }
@@ -497,22 +514,6 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
   });
 
   return I.finish(std::move(begun), cores, target);
-}
-
-FieldMatrix TissueSolver::rightSides(const CoreSamples& cores,
-                                     const std::vector<CurveTissue>& tissues) const {
-  const Impl& I = *impl_;
-  FieldMatrix b = FieldMatrix::Zero(I.pattern.rowCount(), std::ssize(tissues) + 1);
-  for (const CoreSample& s : cores.samples) {
-    const double target = targetAt(tissues, s);
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t r = I.row(s, k);
-      if (r < 0) continue;
-      b(r, 0) += s.weight * s.barycentric[k];
-      b(r, static_cast<Eigen::Index>(tissueOf(s)) + 1) += s.weight * target * s.barycentric[k];
-    }
-  }
-  return b;
 }
 
 Result<TissueFields> TissueSolver::fieldsOf(const FieldMatrix& X, const CoreSamples& cores,

@@ -76,11 +76,9 @@ class TissueSolver {
   [[nodiscard]] Result<void> checkHeld(const CoreSamples& cores) const;
   /// Null where every vertex is skin.
   [[nodiscard]] const mesh::SymbolicCholesky* symbolic() const;
-  /// Right sides of isotropic tissues: column 0 all curves at 1, which gives fat, column i + 1
-  /// tissue i.
-  [[nodiscard]] FieldMatrix rightSides(const CoreSamples& cores,
-                                       const std::vector<CurveTissue>& tissues) const;
-  /// Fields from solutions of rightSides, corrected near curves.
+  /// Fields of isotropic tissues from solutions of their equations, corrected near curves.
+  /// @param X  #rows×(#tissues + 1): column 0 of all curves at 1, which gives fat, column i + 1 of
+  /// tissue i
   /// @errors  SystemSingular where a number is not finite
   [[nodiscard]] Result<TissueFields> fieldsOf(const FieldMatrix& X, const CoreSamples& cores,
                                               const std::vector<CurveTissue>& tissues,

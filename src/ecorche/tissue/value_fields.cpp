@@ -164,21 +164,28 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
 Result<Eigen::MatrixXd> ValueFields::Impl::solveRows(TissueId id, const Eigen::MatrixXd& targets,
                                                      RunContext& run) {
   const mesh::StiffnessPattern& pattern = solver->pattern();
-  FieldMatrix b = FieldMatrix::Zero(pattern.rowCount(), targets.cols());
+  const auto rowOf = [&](const CoreSample& sample, int k) {
+    return pattern.row[static_cast<std::size_t>(domain->mesh.T(sample.tet, k))];
+  };
+  std::vector<std::int32_t> rows;
+  for (const CoreSample& sample : cores.samples) {
+    for (int k = 0; k < 4 && sample.tissue == id; ++k) {
+      if (rowOf(sample, k) >= 0) rows.push_back(rowOf(sample, k));
+    }
+  }
+  SparseSides b(pattern.rowCount(), std::move(rows), targets.cols());
   for (std::size_t s = 0; s < cores.samples.size(); ++s) {
     const CoreSample& sample = cores.samples[s];
-    if (sample.tissue != id) continue;
-    for (int k = 0; k < 4; ++k) {
-      const std::int32_t r = pattern.row[static_cast<std::size_t>(domain->mesh.T(sample.tet, k))];
-      if (r >= 0)
-        b.row(r) +=
+    for (int k = 0; k < 4 && sample.tissue == id; ++k) {
+      if (rowOf(sample, k) >= 0)
+        b.value.row(b.place[static_cast<std::size_t>(rowOf(sample, k))]) +=
             sample.weight * sample.barycentric[k] * targets.row(static_cast<Eigen::Index>(s));
     }
   }
   Eigen::VectorXd scale(targets.cols());
   for (Eigen::Index c = 0; c < scale.size(); ++c)
     scale[c] = std::max(targets.col(c).cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
-  FieldMatrix X = FieldMatrix::Zero(b.rows(), b.cols());
+  FieldMatrix X = FieldMatrix::Zero(pattern.rowCount(), targets.cols());
   const Refined refined = refinedSolve(*ground, b, scale, X, [&] { return run.cancelled(); });
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while solving tissue fields");
   if (!refined.done) {
