@@ -10,6 +10,7 @@ namespace ecorche::cli {
 [[nodiscard]] nlohmann::ordered_json benchHeader(const char* bench);
 
 void addBenchDrag(CLI::App& bench, Commands& commands);
+void addBenchSettle(CLI::App& bench, Commands& commands);
 void addBenchStrokes(CLI::App& bench, Commands& commands);
 void addBenchValues(CLI::App& bench, Commands& commands);
 

@@ -376,6 +376,7 @@ void addBench(CLI::App& app, Commands& commands) {
   commands.push_back({view, [args](Session& s) { return runView(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
   addBenchDrag(*bench, commands);
+  addBenchSettle(*bench, commands);
   addBenchStrokes(*bench, commands);
   addBenchValues(*bench, commands);
 }

@@ -1,18 +1,13 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/bench_drag.h>
-#include <ecorche/engine/build.h>
-#include <ecorche/engine/inputs.h>
-#include <ecorche/model/project_check.h>
-#include <ecorche/tissue/curve_trace.h>
+#include <ecorche/engine/drag_scene.h>
 #include <ecorche/tissue/drag_ground.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/value_fields.h>
-
 #include <fmt/format.h>
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
@@ -20,38 +15,6 @@
 namespace ecorche::engine {
 
 namespace {
-
-class Clock {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-Result<tissue::CurveRef> find(const std::vector<tissue::CurveTissue>& tissues,
-                              const DragScript& script) {
-  const auto there = std::ranges::find(tissues, script.muscle, &tissue::CurveTissue::name);
-  if (there == tissues.end() || script.curve >= there->curves.size() ||
-      script.point >= there->curves[script.curve].values.size()) {
-    return fail(
-        ErrorCode::UnknownName,
-        fmt::format("drag \"{}\": there is no muscle \"{}\" with a curve {} of {} points or "
-                    "more; name one of the project's",
-                    script.name, script.muscle, script.curve + 1, script.point + 1),
-        {.object = script.name});
-  }
-  if (!there->anisotropy.isIsotropic()) {
-    return fail(ErrorCode::ValueOutOfRange,
-                fmt::format("drag \"{}\": \"{}\" is anisotropic, which drags do not follow yet",
-                            script.name, script.muscle),
-                {.object = script.name});
-  }
-  return tissue::CurveRef{static_cast<std::size_t>(there - tissues.begin()),
-                          static_cast<std::int32_t>(script.curve)};
-}
 
 // What users of libigl get: the same matrix, ordered by AMD, factored column by column
 double simplicialSeconds(const tissue::TissueSolver& solver, const tissue::CoreSamples& cores,
@@ -74,28 +37,19 @@ double simplicialSeconds(const tissue::TissueSolver& solver, const tissue::CoreS
 
 }  // namespace
 
-mesh::Vector3 DragScript::offset(int frame) const {
-  if (path.size() < 2) return mesh::Vector3::Zero();
-  const mesh::Spline way(path);
-  return way.at(way.parameterAt(way.length() * frame / frames)) - path.front();
-}
-
 Result<DragBench> benchDrag(const model::Project& project, std::optional<std::int64_t> tets,
                             const std::vector<DragScript>& scripts, int checked, bool simplicial,
                             RunContext& run) {
-  if (auto sound = model::checkProject(project); !sound) return passOn(sound);
-  auto prepared = prepareDomain(project, {.tets = tets}, run);
-  if (!prepared) return passOn(prepared);
-  const auto domain = std::make_shared<const domain::Domain>(std::move(prepared->build.domain));
-  const std::vector<tissue::CurveTissue> tissues = curveTissues(project);
-  const tissue::TissueOptions how = tissueOptions(project);
-  for (const DragScript& script : scripts) {
-    if (const auto there = find(tissues, script); !there) return passOn(there);
+  const auto scene = prepareDragScene(project, tets, scripts, run);
+  if (!scene) return passOn(scene);
+  const auto& [domain, tissues, how, solver, walker, curves] = *scene;
+  for (std::size_t i = 0; i < scripts.size(); ++i) {
+    if (tissues[curves[i].tissue].anisotropy.isIsotropic()) continue;
+    return fail(ErrorCode::ValueOutOfRange,
+                fmt::format("drag \"{}\": \"{}\" is anisotropic, which drags do not follow yet",
+                            scripts[i].name, scripts[i].muscle),
+                {.object = scripts[i].name});
   }
-  auto made = tissue::TissueSolver::create(*domain, run);
-  if (!made) return passOn(made);
-  const auto solver = std::make_shared<const tissue::TissueSolver>(std::move(*made));
-  const auto walker = std::make_shared<const tissue::CurveWalker>(*domain);
   tissue::KeptTraces kept;
   const auto cores = tissue::traceCurves(*walker, *domain, tissues, how, run, kept);
   if (!cores) return passOn(cores);
@@ -112,8 +66,9 @@ Result<DragBench> benchDrag(const model::Project& project, std::optional<std::in
     const tissue::DragGround ground(solver, *factor, *cores);
     out.ground = clock.seconds();
   }
-  for (const DragScript& script : scripts) {
-    const tissue::CurveRef curve = *find(tissues, script);
+  for (std::size_t i = 0; i < scripts.size(); ++i) {
+    const DragScript& script = scripts[i];
+    const tissue::CurveRef curve = curves[i];
     auto fields = tissue::ValueFields::create(domain, solver, *cores, tissues, how, run, walker);
     if (!fields) return passOn(fields);
     const std::vector<TissueId> before = fields->owners();
@@ -125,17 +80,13 @@ Result<DragBench> benchDrag(const model::Project& project, std::optional<std::in
       fields->prepareMove({curve});
       done.begin = clock.seconds() - out.ground;
     }
-    const std::vector<mesh::Vector3> points =
-        tissues[curve.tissue].curves[script.curve].spline.points();
     // Muscles involved: whose field changes somewhere by more than a hundredth during the drag
     std::set<TissueId> involved;
     std::vector<std::int64_t> other;
     std::vector<std::map<TissueId, std::int64_t>> owned;
     for (int frame = 1; frame <= script.frames; ++frame) {
       if (run.cancelled()) return fail(ErrorCode::Cancelled, "bench drag");
-      auto moved = points;
-      moved[script.point] += domain->skinDiagonal * script.offset(frame);
-      const mesh::Spline spline(moved);
+      const mesh::Spline spline = scene->splineAt(script, curve, frame);
       const Clock clock;
       const auto changed = fields->moveCurves({{curve, spline}});
       done.frame.seconds.push_back(clock.seconds());
@@ -169,10 +120,10 @@ Result<DragBench> benchDrag(const model::Project& project, std::optional<std::in
         wrong += owners[v] != fields->owners()[v];
       }
     }
-    for (std::size_t i = 0; i < other.size(); ++i) {
+    for (std::size_t k = 0; k < other.size(); ++k) {
       std::int64_t vertices = 0;
-      for (const TissueId id : involved) vertices += owned[i][id];
-      done.ownerShare.push_back(static_cast<double>(other[i]) /
+      for (const TissueId id : involved) vertices += owned[k][id];
+      done.ownerShare.push_back(static_cast<double>(other[k]) /
                                 static_cast<double>(std::max<std::int64_t>(1, vertices)));
     }
     out.runs.push_back(std::move(done));

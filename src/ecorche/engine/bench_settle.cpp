@@ -1,0 +1,119 @@
+#include <ecorche/engine/bench_settle.h>
+#include <ecorche/engine/drag_scene.h>
+#include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/value_fields.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace ecorche::engine {
+
+namespace {
+
+using tissue::CurveTissue;
+
+// Everything but the analysis, as a live session does it
+struct Hand {
+  const DragScene& scene;
+  tissue::Settling settling;
+  tissue::KeptTraces kept;
+
+  explicit Hand(const DragScene& s) : scene(s), settling(s.solver) {}
+  Result<tissue::CoreSamples> trace(const std::vector<CurveTissue>& now, RunContext& run) {
+    return tissue::traceCurves(*scene.walker, *scene.domain, now, scene.how, run, kept);
+  }
+};
+
+// From a cancel until a solve has ended, begun so long before [s]
+Result<double> abandon(Hand& hand, const tissue::CoreSamples& cores,
+                       const std::vector<CurveTissue>& now, double after) {
+  RunContext run;
+  double cancelled = 0.0;
+  const Clock clock;
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(std::chrono::duration<double>(after));
+    cancelled = clock.seconds();
+    run.cancel();
+  });
+  const auto settled = hand.settling.solve(cores, now, hand.scene.how, run);
+  const double ended = clock.seconds();
+  canceller.join();
+  if (!settled && settled.error().code != ErrorCode::Cancelled) return passOn(settled);
+  return std::max(0.0, ended - cancelled);
+}
+
+}  // namespace
+
+Result<SettleBench> benchSettle(const model::Project& project, std::optional<std::int64_t> tets,
+                                const std::vector<DragScript>& scripts, int places,
+                                RunContext& run) {
+  const auto scene = prepareDragScene(project, tets, scripts, run);
+  if (!scene) return passOn(scene);
+  SettleBench out;
+  out.tets = scene->domain->mesh.T.rows();
+  out.freeVertices = scene->domain->freeVertexCount();
+  out.tissues = scene->tissues.size();
+  {
+    const Clock clock;
+    const auto analysed = tissue::TissueSolver::create(*scene->domain, run);
+    if (!analysed) return passOn(analysed);
+    out.analysis = clock.seconds();
+  }
+  Hand hand(*scene);
+  {
+    const Clock clock;
+    const auto cores = hand.trace(scene->tissues, run);
+    if (!cores) return passOn(cores);
+    const auto first = hand.settling.solve(*cores, scene->tissues, scene->how, run);
+    if (!first) return passOn(first);
+    out.first = clock.seconds();
+  }
+  for (std::size_t i = 0; i < scripts.size(); ++i) {
+    const DragScript& script = scripts[i];
+    const tissue::CurveRef curve = scene->curves[i];
+    SettleRun done;
+    done.name = script.name;
+    auto now = scene->tissues;
+    for (int place = 1; place <= places; ++place) {
+      if (run.cancelled()) return fail(ErrorCode::Cancelled, "bench settle");
+      run.progress(script.name, static_cast<double>(place) / places);
+      now[curve.tissue].curves[static_cast<std::size_t>(curve.curve)].spline =
+          scene->splineAt(script, curve, script.frames * place / (places + 1));
+      const Clock clock;
+      auto cores = hand.trace(now, run);
+      if (!cores) {
+        ++done.unchecked;
+        continue;
+      }
+      const double traced = clock.seconds();
+      // A new drag gives up what the last one left to do
+      const auto gone =
+          abandon(hand, *cores, now, 0.02 + 0.3 * static_cast<double>(place) / places);
+      if (!gone) return passOn(gone);
+      done.abandoned.seconds.push_back(*gone);
+
+      const Clock settling;
+      auto settled = hand.settling.solve(*cores, now, scene->how, run);
+      if (!settled) return passOn(settled);
+      const auto owners = tissue::vertexOwners(settled->fields);
+      done.settle.seconds.push_back(traced + settling.seconds());
+      done.factored.push_back(settled->factored);
+      done.passes.push_back(settled->passes);
+
+      const Clock baseline;
+      const auto again = hand.trace(now, run);
+      if (!again) return passOn(again);
+      const auto fresh = scene->solver->solve(*again, now, scene->how, run);
+      if (!fresh) return passOn(fresh);
+      const auto ownersAgain = tissue::vertexOwners(*fresh);
+      done.again.seconds.push_back(baseline.seconds());
+      done.fieldError.push_back((settled->fields.values - fresh->values).cwiseAbs().maxCoeff() /
+                                fresh->maxValue);
+      for (std::size_t v = 0; v < owners.size(); ++v) done.ownersOff += owners[v] != ownersAgain[v];
+    }
+    out.runs.push_back(std::move(done));
+  }
+  return out;
+}
+
+}  // namespace ecorche::engine
