@@ -260,12 +260,16 @@ void CurveDrag::Impl::solveAlong(Moment& moment) const {
   Eigen::MatrixXd right = hats.project(pull) - Gnf;
 
   // [−A G; Gᵀ B] [z; η] = [−Gof; right], A = P_oᵀ W_o P_o − Zoᵀ Zo
-  const Eigen::MatrixXd AG = lessOld.solve(Gon);
-  const Eigen::MatrixXd Af = lessOld.solve(Gof(Eigen::all, moment.act));
+  // Eigen takes the first number of what it solves for, also where there is none: a curve may be
+  // out of the skin, or no field may change
+  const auto solve = [](const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::MatrixXd& b) {
+    return b.size() > 0 ? Eigen::MatrixXd(factor.solve(b)) : b;
+  };
+  const Eigen::MatrixXd AG = solve(lessOld, Gon);
+  const Eigen::MatrixXd Af = solve(lessOld, Gof(Eigen::all, moment.act));
   B.noalias() += Gon.transpose() * AG;
   right.noalias() -= Gon.transpose() * Af;
-  Eigen::MatrixXd flux = Eigen::MatrixXd::Zero(hats.count(), std::ssize(moment.act));
-  if (hats.count() > 0) flux = B.llt().solve(right);
+  const Eigen::MatrixXd flux = solve(B.llt(), right);
   const Eigen::MatrixXd z = Af + AG * flux;
 
   moment.path = tree.join(pathOld, pathNew);
