@@ -220,7 +220,8 @@ TEST_CASE("sweeps solve a tube whose surroundings are right") {
     const auto r = static_cast<std::size_t>(rows[i]);
     Eigen::RowVectorXf sum =
         float(ground.K[std::size_t(ground.solver->pattern().diagonal(rows[i]))]) * x.row(rows[i]);
-    for (auto e = std::size_t(ground.rows->first[r]); e < std::size_t(ground.rows->first[r + 1]); ++e)
+    for (auto e = std::size_t(ground.rows->first[r]); e < std::size_t(ground.rows->first[r + 1]);
+         ++e)
       sum += float(ground.K[std::size_t(ground.rows->slot[e])]) * x.row(ground.rows->neighbour[e]);
     force.row(Eigen::Index(i)) = sum;
   }

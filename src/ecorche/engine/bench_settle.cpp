@@ -3,7 +3,7 @@
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/value_fields.h>
 
-#include <algorithm>
+#include <optional>
 #include <thread>
 
 namespace ecorche::engine {
@@ -24,9 +24,10 @@ struct Hand {
   }
 };
 
-// From a cancel until a solve has ended, begun so long before [s]
-Result<double> abandon(Hand& hand, const tissue::CoreSamples& cores,
-                       const std::vector<CurveTissue>& now, double after) {
+// From a cancel until a solve has ended, begun so long before [s]; nothing where it was done by
+// then
+Result<std::optional<double>> abandon(Hand& hand, const tissue::CoreSamples& cores,
+                                      const std::vector<CurveTissue>& now, double after) {
   RunContext run;
   double cancelled = 0.0;
   const Clock clock;
@@ -38,8 +39,9 @@ Result<double> abandon(Hand& hand, const tissue::CoreSamples& cores,
   const auto settled = hand.settling.solve(cores, now, hand.scene.how, run);
   const double ended = clock.seconds();
   canceller.join();
-  if (!settled && settled.error().code != ErrorCode::Cancelled) return passOn(settled);
-  return std::max(0.0, ended - cancelled);
+  if (settled) return std::optional<double>();
+  if (settled.error().code != ErrorCode::Cancelled) return passOn(settled);
+  return std::optional(ended - cancelled);
 }
 
 }  // namespace
@@ -86,12 +88,6 @@ Result<SettleBench> benchSettle(const model::Project& project, std::optional<std
         continue;
       }
       const double traced = clock.seconds();
-      // A new drag gives up what the last one left to do
-      const auto gone =
-          abandon(hand, *cores, now, 0.02 + 0.3 * static_cast<double>(place) / places);
-      if (!gone) return passOn(gone);
-      done.abandoned.seconds.push_back(*gone);
-
       const Clock settling;
       auto settled = hand.settling.solve(*cores, now, scene->how, run);
       if (!settled) return passOn(settled);
@@ -110,6 +106,16 @@ Result<SettleBench> benchSettle(const model::Project& project, std::optional<std
       done.fieldError.push_back((settled->fields.values - fresh->values).cwiseAbs().maxCoeff() /
                                 fresh->maxValue);
       for (std::size_t v = 0; v < owners.size(); ++v) done.ownersOff += owners[v] != ownersAgain[v];
+
+      // A new drag gives up what the last one left to do, on its way to the next place
+      now[curve.tissue].curves[static_cast<std::size_t>(curve.curve)].spline =
+          scene->splineAt(script, curve, script.frames * (2 * place + 1) / (2 * places + 2));
+      const auto onward = hand.trace(now, run);
+      if (!onward) continue;
+      const double share = static_cast<double>(place) / (places + 1);
+      const auto gone = abandon(hand, *onward, now, share * done.settle.quantile(0.5));
+      if (!gone) return passOn(gone);
+      if (*gone) done.abandoned.seconds.push_back(**gone);
     }
     out.runs.push_back(std::move(done));
   }

@@ -9,7 +9,7 @@ struct SettleRun {
   std::string name;
   Times settle;     ///< trace, solve for what is left, owners: ready to be dragged again
   Times again;      ///< the baseline: trace, factor (CHOLMOD), solve all, owners
-  Times abandoned;  ///< from a cancel at a random moment until it has ended
+  Times abandoned;  ///< from a cancel in the midst of one until it has ended
   std::vector<double> fieldError;  ///< settled against the baseline, over the largest value
   std::vector<double> factored;    ///< share of the factor that was made anew
   std::vector<int> passes;         ///< of refinement

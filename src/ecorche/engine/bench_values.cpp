@@ -1,12 +1,12 @@
 #include <ecorche/engine/bench_values.h>
 #include <ecorche/engine/build.h>
+#include <ecorche/engine/clock.h>
 #include <ecorche/model/project_check.h>
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/value_fields.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -16,16 +16,6 @@ namespace {
 
 constexpr std::size_t kMuscles = 12;
 constexpr int kBaselines = 3;
-
-class Clock {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace
 

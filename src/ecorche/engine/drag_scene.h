@@ -3,12 +3,12 @@
 #include <ecorche/core/result.h>
 #include <ecorche/core/run_context.h>
 #include <ecorche/engine/bench_drag.h>
+#include <ecorche/engine/clock.h>
 #include <ecorche/model/project.h>
 #include <ecorche/tissue/curve_drag.h>
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/tissue_solver.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -34,16 +34,5 @@ struct DragScene {
                                                  std::optional<std::int64_t> tets,
                                                  const std::vector<DragScript>& scripts,
                                                  RunContext& run);
-
-/// Time since it was made.
-class Clock {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace ecorche::engine
