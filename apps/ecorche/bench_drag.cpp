@@ -1,13 +1,11 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/bench_drag.h>
-#include <ecorche/model/project_file.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
 
 #include "bench.h"
-#include "counts.h"
 #include "recorded_drags.h"
 #include "table.h"
 
@@ -30,17 +28,9 @@ double median(std::vector<double> values) {
 }
 
 Result<void> runDrag(const DragArguments& args, Session& session) {
-  const auto project = model::loadProject(args.project);
-  if (!project) return passOn(project);
-  const auto scripts = loadDrags(args.script);
-  if (!scripts) return passOn(scripts);
-  std::optional<std::int64_t> tets;
-  if (!args.tets.empty()) {
-    const auto count = parseCount(args.tets);
-    if (!count) return passOn(count);
-    tets = *count;
-  }
-  const auto bench = engine::benchDrag(*project, tets, *scripts, args.checked,
+  const auto given = loadRecordedDrags(args.project, args.script, args.tets);
+  if (!given) return passOn(given);
+  const auto bench = engine::benchDrag(given->project, given->tets, given->scripts, args.checked,
                                        !args.withoutSimplicial, session.run);
   if (!bench) return passOn(bench);
 

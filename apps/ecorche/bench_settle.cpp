@@ -1,12 +1,10 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/bench_settle.h>
-#include <ecorche/model/project_file.h>
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "bench.h"
-#include "counts.h"
 #include "recorded_drags.h"
 #include "table.h"
 
@@ -22,17 +20,10 @@ struct SettleArguments {
 };
 
 Result<void> runSettle(const SettleArguments& args, Session& session) {
-  const auto project = model::loadProject(args.project);
-  if (!project) return passOn(project);
-  const auto scripts = loadDrags(args.script);
-  if (!scripts) return passOn(scripts);
-  std::optional<std::int64_t> tets;
-  if (!args.tets.empty()) {
-    const auto count = parseCount(args.tets);
-    if (!count) return passOn(count);
-    tets = *count;
-  }
-  const auto bench = engine::benchSettle(*project, tets, *scripts, args.places, session.run);
+  const auto given = loadRecordedDrags(args.project, args.script, args.tets);
+  if (!given) return passOn(given);
+  const auto bench =
+      engine::benchSettle(given->project, given->tets, given->scripts, args.places, session.run);
   if (!bench) return passOn(bench);
 
   auto json = benchHeader("settle");

@@ -1,11 +1,16 @@
 #include "recorded_drags.h"
 
 #include <ecorche/core/files.h>
+#include <ecorche/model/project_file.h>
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
+#include "counts.h"
+
 namespace ecorche::cli {
+
+namespace {
 
 Result<std::vector<engine::DragScript>> loadDrags(const std::string& file) {
   const auto bytes = readFile(file);
@@ -32,6 +37,23 @@ Result<std::vector<engine::DragScript>> loadDrags(const std::string& file) {
                             file, e.what()),
                 {.object = file});
   }
+}
+
+}  // namespace
+
+Result<RecordedDrags> loadRecordedDrags(const std::string& project, const std::string& script,
+                                        const std::string& tets) {
+  auto loaded = model::loadProject(project);
+  if (!loaded) return passOn(loaded);
+  auto scripts = loadDrags(script);
+  if (!scripts) return passOn(scripts);
+  RecordedDrags out{std::move(*loaded), std::move(*scripts), {}};
+  if (!tets.empty()) {
+    const auto count = parseCount(tets);
+    if (!count) return passOn(count);
+    out.tets = *count;
+  }
+  return out;
 }
 
 }  // namespace ecorche::cli
