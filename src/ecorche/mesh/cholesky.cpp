@@ -73,7 +73,21 @@ SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern, Ordering ord
   EC_REQUIRE(impl->L != nullptr);
   impl_ = std::move(impl);
 }
+SymbolicCholesky::SymbolicCholesky(const StiffnessPattern& pattern,
+                                   std::span<const std::int32_t> order) {
+  EC_REQUIRE_EQ(std::ssize(order), pattern.rowCount());
+  auto impl = std::make_shared<Impl>();
+  impl->common.c.method[0].ordering = CHOLMOD_GIVEN;
+  impl->first = pattern.first;
+  impl->index = pattern.index;
+  cholmod_sparse K = impl->view(nullptr);
+  impl->L =
+      cholmod_analyze_p(&K, const_cast<std::int32_t*>(order.data()), nullptr, 0, impl->common);
+  EC_REQUIRE(impl->L != nullptr);
+  impl_ = std::move(impl);
+}
 SymbolicCholesky::~SymbolicCholesky() = default;
+SymbolicCholesky::SymbolicCholesky(const SymbolicCholesky&) = default;
 SymbolicCholesky::SymbolicCholesky(SymbolicCholesky&&) noexcept = default;
 SymbolicCholesky& SymbolicCholesky::operator=(SymbolicCholesky&&) noexcept = default;
 

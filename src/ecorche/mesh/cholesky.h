@@ -31,7 +31,11 @@ class SymbolicCholesky {
   /// Copies what it needs; the pattern may go away.
   explicit SymbolicCholesky(const StiffnessPattern& pattern,
                             Ordering ordering = Ordering::NestedDissection);
+  /// With an ordering that is known already, say that of a larger pattern: much quicker to make.
+  /// @param order  of the rows, each once
+  SymbolicCholesky(const StiffnessPattern& pattern, std::span<const std::int32_t> order);
   ~SymbolicCholesky();
+  SymbolicCholesky(const SymbolicCholesky&);  ///< shares what was found
   SymbolicCholesky(SymbolicCholesky&&) noexcept;
   SymbolicCholesky& operator=(SymbolicCholesky&&) noexcept;
 
