@@ -1,6 +1,7 @@
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/moved_fields.h>
 #include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/settling.h>
 #include <ecorche/tissue/tube_sweeps.h>
 #include <ecorche/tissue/value_fields.h>
 
@@ -185,7 +186,31 @@ TEST_CASE("a curve may go anywhere") {
   CHECK((dragged.fields().values - before).cwiseAbs().maxCoeff() < 0.012);
 }
 
-TEST_CASE("anisotropic fields wait while isotropic ones follow") {
+TEST_CASE("anisotropic fields follow what moves beside them, by their own equations") {
+  Scene scene;
+  scene.list[3].anisotropy = {1.0, 0.4, 0.3};
+  Settling settling(scene.solver);
+  const CoreSamples cores =
+      traceCurves(*scene.walker, *scene.domain, scene.list, scene.options, scene.run).value();
+  ValueFields dragged = ValueFields::create(scene.domain, settling, cores, scene.list,
+                                            scene.options, scene.run, scene.walker)
+                            .value();
+  const FieldMatrix before = dragged.fields().values;
+  auto moved = scene.list;
+  moved[0].curves[0].spline = shifted(moved[0].curves[0].spline, 1, Vector3(-0.2, -0.3, 0.0));
+  (void)dragged.moveCurves({{{0, 0}, moved[0].curves[0].spline}});
+  const TissueFields fresh = scene.anew(moved);
+  CHECK((before.col(4) - fresh.values.col(4)).cwiseAbs().maxCoeff() > 0.03 * fresh.maxValue);
+  CHECK(off(dragged, fresh) < 0.02);
+  // Its own curve
+  moved = scene.list;
+  moved[3].curves[0].spline = shifted(moved[3].curves[0].spline, 1, Vector3(-0.1, 0.1, 0.0));
+  (void)dragged.moveCurves({{{0, 0}, scene.list[0].curves[0].spline}});
+  (void)dragged.moveCurves({{{3, 0}, moved[3].curves[0].spline}});
+  CHECK(off(dragged, scene.anew(moved)) < 0.05);
+}
+
+TEST_CASE("without their own equations anisotropic fields wait while isotropic ones follow") {
   Scene scene;
   scene.list[3].anisotropy = {1.0, 0.4, 0.3};
   ValueFields dragged = scene.settled();
@@ -206,7 +231,7 @@ TEST_CASE("sweeps solve a tube whose surroundings are right") {
       traceCurves(*scene.walker, *scene.domain, scene.list, scene.options, scene.run).value();
   const auto factor = scene.solver->factorise(cores, scene.options, scene.run).value();
   const DragGround ground(scene.solver, factor, cores);
-  const auto n = ground.solver->pattern().rowCount();
+  const auto n = ground.pattern->rowCount();
   // Any x, and the force that it answers
   std::mt19937 random(3);
   std::uniform_real_distribution<float> any(-1.0F, 1.0F);
@@ -218,8 +243,7 @@ TEST_CASE("sweeps solve a tube whose surroundings are right") {
   TubeBlock force(std::ssize(rows), 2);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto r = static_cast<std::size_t>(rows[i]);
-    Eigen::RowVectorXf sum =
-        float(ground.K[std::size_t(ground.solver->pattern().diagonal(rows[i]))]) * x.row(rows[i]);
+    Eigen::RowVectorXf sum = float(ground.diagonal(rows[i])) * x.row(rows[i]);
     for (auto e = std::size_t(ground.rows->first[r]); e < std::size_t(ground.rows->first[r + 1]);
          ++e)
       sum += float(ground.K[std::size_t(ground.rows->slot[e])]) * x.row(ground.rows->neighbour[e]);

@@ -21,7 +21,7 @@ double simplicialSeconds(const tissue::TissueSolver& solver, const tissue::CoreS
                          Eigen::Index fields) {
   const mesh::StiffnessPattern& pattern = solver.pattern();
   std::vector<double> K = solver.stiffness();
-  tissue::addRows(solver.domain(), pattern, cores.samples, 1.0, K);
+  tissue::addRows(solver.domain().mesh, pattern, cores.samples, 1.0, K);
   const Eigen::Index n = pattern.rowCount();
   const Eigen::Map<const Eigen::SparseMatrix<double>> lower(
       n, n, static_cast<Eigen::Index>(K.size()), pattern.first.data(), pattern.index.data(),

@@ -1,370 +1,185 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/curve_drag.h>
-#include <ecorche/tissue/curve_hats.h>
-#include <ecorche/tissue/drag_rows.h>
-#include <ecorche/tissue/tube_sweeps.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
-#include <cmath>
-
-// Letters: K the settled system, B rows, W weights, d targets; o rows as they were, n as they are.
-// ρ = d − B f of settled fields f: by how much they miss a row. With x the change of a field,
-//   K x = −B_oᵀ W_o (ρ_o − B_o x) + B_nᵀ W_n (ρ_n − B_n x).
-// Along curves B_o x and the flux W_n (ρ_n − B_n x) / ℓ are smooth: P_o z and P_n η of a few hats
-// (curve_hats.h). G = L⁻¹ K's columns, all of which go down the elimination tree alone.
+#include <optional>
+#include <utility>
 
 namespace ecorche::tissue {
 
-using domain::Domain;
-
 namespace {
 
-using Tree = mesh::TreeSolver<float>;
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+TissueId idOf(std::size_t tissue) {
+  return TissueId(kFirstMuscle.value + static_cast<std::int64_t>(tissue));
+}
 
-// The tube that is swept is so many edges wide around rows that curves touch
-constexpr int kRings = 2;
+// An anisotropic tissue's equations, got ready when a moved curve comes near its field
+struct Own {
+  std::int32_t field = 0;
+  std::shared_ptr<const OwnGround> ground;
+  std::optional<DragSystem> system;
+};
 
 }  // namespace
 
 struct CurveDrag::Impl {
-  std::shared_ptr<DragGround> ground;
+  const domain::Domain& domain;
   const CurveWalker& walker;
   std::vector<CurveTissue> tissues;
   TissueOptions options;
   std::vector<CurveRef> moved;
   RawRow raw;
   DragOptions how;
-  Eigen::Index fieldCount = 0;
   double maxValue = 0.0;
-  std::vector<Eigen::Index> frozen;  // ascending
 
-  // Where the curves were
+  std::shared_ptr<const DragGround> ground;
   PiecedRows old;
-  RowMajor missOld;  // ρ_o, #samples×#fields
-  Eigen::RowVectorXd largestMissOld;
-  std::vector<std::int32_t> touchedOld;
-  Tree::Path pathOld;
-  Tree::Block Zo;                       // L⁻¹ B_oᵀ W_o P_o
-  Tree::Block Zf;                       // L⁻¹ of −B_oᵀ W_o ρ_o, all fields
-  Eigen::LLT<Eigen::MatrixXd> lessOld;  // P_oᵀ W_o P_o − Zoᵀ Zo
-  Eigen::MatrixXd Gof;                  // Zoᵀ Zf
-  std::vector<double> K;                // without the old rows
+  std::optional<DragSystem> shared;
+  std::vector<Own> own;
+  std::vector<std::int32_t> frozen;
+  std::vector<std::int32_t> place;  // #V, row of the frame in the making; −1
 
-  // Fields are worked on by two threads, half of them each
-  struct Half {
-    std::vector<std::int32_t> place;  // #rows of K, in x; −1
-    Tree::Workspace workspace;
-    std::vector<std::int32_t> row;  // of x
-    TubeBlock x;
-    double lastStep = 0.0;
-  };
-  std::array<Half, 2> halves;
-
-  struct Moment {
-    PiecedRows now;
-    std::vector<Eigen::Index> act;  // fields that change
-    RowMajor miss;                  // ρ_n, all fields
-    Tree::Path path;
-    Tree::Block g;  // what goes back up the tree, #path×#act
-    std::vector<std::int32_t> tube;
-  };
-
-  Impl(std::shared_ptr<DragGround> g, const CurveWalker& w) : ground(std::move(g)), walker(w) {}
-
-  [[nodiscard]] const Domain& domain() const { return ground->solver->domain(); }
-  [[nodiscard]] const mesh::StiffnessPattern& pattern() const { return ground->solver->pattern(); }
-  [[nodiscard]] std::int32_t row(const CoreSample& s, int k) const {
-    return pattern().row[static_cast<std::size_t>(domain().mesh.T(s.tet, k))];
-  }
-  [[nodiscard]] TissueId idOf(std::size_t tissue) const {
-    return TissueId(kFirstMuscle.value + static_cast<std::int64_t>(tissue));
-  }
-  // body(row of K, share) for every free corner of a sample's tet
-  template <class Body>
-  void forCorners(const CoreSample& s, const Body& body) const {
-    for (int k = 0; k < 4; ++k) {
-      if (const std::int32_t r = row(s, k); r >= 0) body(r, s.barycentric[k]);
-    }
-  }
-
-  [[nodiscard]] RowMajor missed(const PiecedRows& rows) const;
-  [[nodiscard]] std::vector<std::int32_t> touched(const PiecedRows& rows) const;
-  [[nodiscard]] mesh::SparseColumns columnsOf(const PiecedRows& rows, const CurveHats& hats,
-                                              double CoreSample::*worth) const;
-  void begin(const CoreSamples& cores);
-  void solveAlong(Moment& moment) const;
-  void workOn(std::int64_t half, const Moment& moment);
+  [[nodiscard]] bool isNear(const Own& it, const PiecedRows& rows) const;
+  std::vector<DragSystem::Part> moveOwn(Own& it, const PiecedRows& now);
 };
 
 CurveDrag::~CurveDrag() = default;
 CurveDrag::CurveDrag(CurveDrag&&) noexcept = default;
 CurveDrag& CurveDrag::operator=(CurveDrag&&) noexcept = default;
 const std::vector<CurveRef>& CurveDrag::moved() const { return impl_->moved; }
-const std::vector<Eigen::Index>& CurveDrag::frozen() const { return impl_->frozen; }
+const std::vector<std::int32_t>& CurveDrag::frozen() const { return impl_->frozen; }
 
-CurveDrag::CurveDrag(std::shared_ptr<DragGround> ground, const CurveWalker& walker,
+CurveDrag::CurveDrag(const domain::Domain& domain, DragGrounds grounds, const CurveWalker& walker,
                      const CoreSamples& cores, const std::vector<CurveTissue>& tissues,
                      const TissueOptions& options, std::vector<CurveRef> moved, RawRow raw,
                      DragOptions how)
-    : impl_(std::make_unique<Impl>(std::move(ground), walker)) {
-  EC_REQUIRE(!moved.empty());
-  EC_REQUIRE(how.knots >= 2 && how.sweeps >= 0 && how.tolerance >= 0.0);
+    : impl_(new Impl{.domain = domain,
+                     .walker = walker,
+                     .tissues = tissues,
+                     .options = options,
+                     .moved = std::move(moved),
+                     .raw = std::move(raw),
+                     .how = how,
+                     .maxValue = options.fat,
+                     .ground = std::move(grounds.shared),
+                     .old = {},
+                     .shared = {},
+                     .own = {},
+                     .frozen = {},
+                     .place = {}}) {
   Impl& I = *impl_;
-  I.tissues = tissues;
-  I.options = options;
-  I.moved = std::move(moved);
-  I.raw = std::move(raw);
-  I.how = how;
-  I.fieldCount = std::ssize(tissues) + 1;
-  I.maxValue = options.fat;
+  EC_REQUIRE(!I.moved.empty());
+  std::vector<std::int32_t> fields{0};
   for (std::size_t t = 0; t < tissues.size(); ++t) {
-    if (!tissues[t].anisotropy.isIsotropic()) I.frozen.push_back(static_cast<Eigen::Index>(t) + 1);
+    const auto field = static_cast<std::int32_t>(t) + 1;
+    if (tissues[t].anisotropy.isIsotropic()) {
+      fields.push_back(field);
+    } else if (std::ranges::find(grounds.own, t, &OwnEquations::tissue) == grounds.own.end()) {
+      I.frozen.push_back(field);
+    }
     for (const TissueCurve& curve : tissues[t].curves)
       I.maxValue = std::max(I.maxValue, *std::ranges::max_element(curve.values));
   }
-  for (const CurveRef& ref : I.moved) EC_REQUIRE(tissues[ref.tissue].anisotropy.isIsotropic());
-  I.begin(cores);
-}
-
-// ρ = d − B f, settled
-RowMajor CurveDrag::Impl::missed(const PiecedRows& rows) const {
-  RowMajor out = RowMajor::Zero(std::ssize(rows.samples), fieldCount);
-  for (const RowPiece& piece : rows.pieces) {
-    for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i) {
-      const CoreSample& s = rows.samples[static_cast<std::size_t>(i)];
-      auto miss = out.row(i);
-      for (int k = 0; k < 4; ++k)
-        miss -= s.barycentric[k] *
-                Eigen::Map<const Eigen::RowVectorXd>(raw(domain().mesh.T(s.tet, k)), fieldCount);
-      miss[s.tissue.value - kFat.value] += piece.target;
-    }
-  }
-  return out;
-}
-
-std::vector<std::int32_t> CurveDrag::Impl::touched(const PiecedRows& rows) const {
-  std::vector<std::int32_t> out;
-  for (const CoreSample& s : rows.samples)
-    forCorners(s, [&](std::int32_t r, double) { out.push_back(r); });
-  std::ranges::sort(out);
-  out.erase(std::ranges::unique(out).begin(), out.end());
-  return out;
-}
-
-// Bᵀ times what every sample is worth times hats
-mesh::SparseColumns CurveDrag::Impl::columnsOf(const PiecedRows& rows, const CurveHats& hats,
-                                               double CoreSample::*worth) const {
-  std::vector<std::vector<std::pair<std::size_t, double>>> pieces(
-      static_cast<std::size_t>(hats.count()));
-  for (std::size_t p = 0; p < rows.pieces.size(); ++p) {
-    const CurveHats::At& at = hats[p];
-    pieces[static_cast<std::size_t>(at.column)].emplace_back(p, at.here);
-    if (at.next != 0.0) pieces[static_cast<std::size_t>(at.column) + 1].emplace_back(p, at.next);
-  }
-  mesh::SparseColumns out;
-  for (const auto& column : pieces) {
-    for (const auto& [p, share] : column) {
-      const RowPiece& piece = rows.pieces[p];
-      for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i) {
-        const CoreSample& s = rows.samples[static_cast<std::size_t>(i)];
-        const double v = share * s.*worth;
-        forCorners(s, [&](std::int32_t r, double corner) { out.add(r, v * corner); });
-      }
-    }
-    out.endColumn();
-  }
-  return out;
-}
-
-void CurveDrag::Impl::begin(const CoreSamples& cores) {
-  const Tree& tree = ground->tree;
-  for (const CurveRef& ref : moved) {
+  for (const CurveRef& ref : I.moved) {
     std::vector<CoreSample> samples;
     std::ranges::copy_if(cores.samples, std::back_inserter(samples), [&](const CoreSample& s) {
       return s.tissue == idOf(ref.tissue) && s.curve == ref.curve;
     });
-    addPieces(tissues[ref.tissue], samples, old);
+    addPieces(tissues[ref.tissue], samples, I.old);
   }
-  missOld = missed(old);
-  largestMissOld = Eigen::RowVectorXd::Zero(fieldCount);
-  if (missOld.rows() > 0) largestMissOld = missOld.cwiseAbs().colwise().maxCoeff();
-  touchedOld = touched(old);
-  pathOld = tree.pathOf(touchedOld);
-  K = ground->K;
-  addRows(domain(), pattern(), old.samples, -1.0, K);
-  for (Half& half : halves) half.place.assign(static_cast<std::size_t>(pattern().rowCount()), -1);
-
-  const CurveHats hats(old, how.knots);
-  Zo = tree.forward(pathOld, columnsOf(old, hats, &CoreSample::weight));
-  Eigen::VectorXd weight = Eigen::VectorXd::Zero(std::ssize(old.pieces));
-  mesh::SparseColumns force;
-  for (std::size_t p = 0; p < old.pieces.size(); ++p) {
-    const RowPiece& piece = old.pieces[p];
-    for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i)
-      weight[static_cast<Eigen::Index>(p)] += old.samples[static_cast<std::size_t>(i)].weight;
+  I.place.assign(static_cast<std::size_t>(domain.mesh.V.rows()), -1);
+  I.shared.emplace(I.ground, domain.mesh, I.old, std::move(fields), I.raw, I.maxValue, how);
+  for (OwnEquations& equations : grounds.own) {
+    Own& it = I.own.emplace_back();
+    it.field = static_cast<std::int32_t>(equations.tissue) + 1;
+    it.ground = std::move(equations.ground);
+    // What is near where the curves are settled is wanted in the first frame
+    if (I.isNear(it, I.old)) (void)I.moveOwn(it, I.old);
   }
-  for (Eigen::Index j = 0; j < fieldCount; ++j) {
-    for (std::size_t i = 0; i < old.samples.size(); ++i) {
-      const double pull = -old.samples[i].weight * missOld(static_cast<Eigen::Index>(i), j);
-      forCorners(old.samples[i],
-                 [&](std::int32_t r, double corner) { force.add(r, pull * corner); });
-    }
-    force.endColumn();
-  }
-  Zf = tree.forward(pathOld, force);
-  Gof = tree.product(pathOld, Zo, pathOld, Zf);
-  Eigen::MatrixXd less = Eigen::MatrixXd::Zero(hats.count(), hats.count());
-  hats.addSquare(weight, less);
-  // Knots with hardly a piece between them would be alike but for rounding
-  const Eigen::VectorXd some = 1e-5 * less.diagonal().array() + 1e-6 * less.diagonal().mean();
-  less -= tree.product(pathOld, Zo, pathOld, Zo);
-  less.diagonal() += some;
-  lessOld.compute(less);
 }
 
-// Finds z and η, and from them what goes back up the tree.
-void CurveDrag::Impl::solveAlong(Moment& moment) const {
-  const Tree& tree = ground->tree;
-  const PiecedRows& now = moment.now;
-  const CurveHats hats(now, how.knots);
-  const Tree::Path pathNew = tree.pathOf(touched(now));
-  const Tree::Block Zn = tree.forward(pathNew, columnsOf(now, hats, &CoreSample::length));
-  const Tree::Block ZfAct = Zf(Eigen::all, moment.act);
-  Eigen::MatrixXd Gon;
-  Eigen::MatrixXd Gnf;
-  Eigen::MatrixXd B;  // P_nᵀ (ℓ²/W) P_n + Znᵀ Zn
-  parallelFor(
-      3,
-      [&](std::int64_t part) {
-        if (part == 0) B = tree.product(pathNew, Zn, pathNew, Zn);
-        if (part == 1) Gon = tree.product(pathOld, Zo, pathNew, Zn);
-        if (part == 2) Gnf = tree.product(pathNew, Zn, pathOld, ZfAct);
-      },
-      1);
-  Eigen::VectorXd resistance = Eigen::VectorXd::Zero(std::ssize(now.pieces));
-  Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(std::ssize(now.pieces), std::ssize(moment.act));
-  for (std::size_t p = 0; p < now.pieces.size(); ++p) {
-    const RowPiece& piece = now.pieces[p];
+// Whether rows miss the field by more than what is left out.
+bool CurveDrag::Impl::isNear(const Own& it, const PiecedRows& rows) const {
+  for (const RowPiece& piece : rows.pieces) {
     for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i) {
-      const CoreSample& s = now.samples[static_cast<std::size_t>(i)];
-      resistance[static_cast<Eigen::Index>(p)] += s.length * s.length / s.weight;
-      pull.row(static_cast<Eigen::Index>(p)) += s.length * moment.miss(i, moment.act);
+      const CoreSample& s = rows.samples[static_cast<std::size_t>(i)];
+      double miss = s.tissue.value - kFat.value == it.field ? piece.target : 0.0;
+      for (int k = 0; k < 4; ++k) miss -= s.barycentric[k] * raw(domain.mesh.T(s.tet, k))[it.field];
+      if (std::abs(miss) > how.tolerance * maxValue) return true;
     }
   }
-  hats.addSquare(resistance, B);
-  if (B.size() > 0) B.diagonal().array() += 1e-6 * B.diagonal().mean();
-  Eigen::MatrixXd right = hats.project(pull) - Gnf;
-
-  // [−A G; Gᵀ B] [z; η] = [−Gof; right], A = P_oᵀ W_o P_o − Zoᵀ Zo
-  // Eigen takes the first number of what it solves for, also where there is none: a curve may be
-  // out of the skin, or no field may change
-  const auto solve = [](const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::MatrixXd& b) {
-    return b.size() > 0 ? Eigen::MatrixXd(factor.solve(b)) : b;
-  };
-  const Eigen::MatrixXd AG = solve(lessOld, Gon);
-  const Eigen::MatrixXd Af = solve(lessOld, Gof(Eigen::all, moment.act));
-  B.noalias() += Gon.transpose() * AG;
-  right.noalias() -= Gon.transpose() * Af;
-  const Eigen::MatrixXd flux = solve(B.llt(), right);
-  const Eigen::MatrixXd z = Af + AG * flux;
-
-  moment.path = tree.join(pathOld, pathNew);
-  moment.g = Tree::Block::Zero(moment.path.rowCount(), std::ssize(moment.act));
-  tree.accumulate(pathOld, Zo, z, moment.path, moment.g);
-  tree.accumulate(pathOld, ZfAct, Eigen::MatrixXd::Identity(z.cols(), z.cols()), moment.path,
-                  moment.g);
-  tree.accumulate(pathNew, Zn, flux, moment.path, moment.g);
+  return false;
 }
 
-// Half of the fields: back up the tree, then over the tube
-void CurveDrag::Impl::workOn(std::int64_t which, const Moment& moment) {
-  Half& half = halves[static_cast<std::size_t>(which)];
-  const Eigen::Index middle = (moment.g.cols() + 1) / 2;
-  const Eigen::Index begin = which == 0 ? 0 : middle;
-  const Eigen::Index count = which == 0 ? middle : moment.g.cols() - middle;
-  Tree::Answer answer = ground->tree.backward(moment.path, moment.g.middleCols(begin, count),
-                                              how.tolerance * maxValue, half.workspace);
-  half.row = std::move(answer.row);
-  for (std::size_t i = 0; i < half.row.size(); ++i)
-    half.place[static_cast<std::size_t>(half.row[i])] = static_cast<std::int32_t>(i);
-  for (const std::int32_t r : moment.tube) {
-    std::int32_t& at = half.place[static_cast<std::size_t>(r)];
-    if (at >= 0) continue;
-    at = static_cast<std::int32_t>(half.row.size());
-    half.row.push_back(r);
+std::vector<DragSystem::Part> CurveDrag::Impl::moveOwn(Own& it, const PiecedRows& now) {
+  if (!it.system) {
+    if (!isNear(it, now)) return {};
+    it.system.emplace(
+        it.ground->ground, it.ground->region->mesh, it.ground->rowsOf(old),
+        std::vector<std::int32_t>{it.field},
+        [this, region = it.ground->region](std::int32_t v) {
+          return raw(region->vertex[static_cast<std::size_t>(v)]);
+        },
+        maxValue, how);
   }
-  half.x = TubeBlock::Zero(std::ssize(half.row), count);
-  half.x.topRows(answer.value.rows()) = answer.value;
-
-  const std::vector<Eigen::Index> act(moment.act.begin() + begin,
-                                      moment.act.begin() + begin + count);
-  TubeBlock force = TubeBlock::Zero(std::ssize(moment.tube), count);
-  const auto push = [&](const PiecedRows& rows, const RowMajor& miss, double times) {
-    for (std::size_t i = 0; i < rows.samples.size(); ++i) {
-      const CoreSample& s = rows.samples[i];
-      const Eigen::RowVectorXf pull =
-          (times * s.weight * miss(static_cast<Eigen::Index>(i), act)).cast<float>();
-      forCorners(s, [&](std::int32_t r, double corner) {
-        const auto at = std::ranges::lower_bound(moment.tube, r) - moment.tube.begin();
-        force.row(at) += static_cast<float>(corner) * pull;
-      });
-    }
-  };
-  push(old, missOld, -1.0);
-  push(moment.now, moment.miss, 1.0);
-  half.lastStep = sweepTube(*ground, K, moment.tube, force, half.place, how.sweeps, half.x);
+  return it.system->move(it.ground->rowsOf(now));
 }
 
 CurveDrag::Frame CurveDrag::move(std::span<const mesh::Spline> splines) {
   Impl& I = *impl_;
   EC_REQUIRE_EQ(splines.size(), I.moved.size());
-  Impl::Moment moment;
-  PiecedRows& now = moment.now;
+  PiecedRows now;
   for (std::size_t m = 0; m < I.moved.size(); ++m) {
     const CurveRef& ref = I.moved[m];
-    addDragged(I.walker, I.domain(), I.tissues[ref.tissue], I.idOf(ref.tissue), ref.curve,
-               splines[m], I.options, now);
+    addDragged(I.walker, I.domain, I.tissues[ref.tissue], idOf(ref.tissue), ref.curve, splines[m],
+               I.options, now);
   }
-  moment.miss = I.missed(now);
-  for (Eigen::Index j = 0; j < I.fieldCount; ++j) {
-    const double largest = moment.miss.rows() > 0 ? moment.miss.col(j).cwiseAbs().maxCoeff() : 0.0;
-    if (!std::ranges::binary_search(I.frozen, j) &&
-        std::max(I.largestMissOld[j], largest) > I.how.tolerance * I.maxValue)
-      moment.act.push_back(j);
-  }
-  I.solveAlong(moment);
-  std::vector<std::int32_t> touched = I.touched(now);
-  touched.insert(touched.end(), I.touchedOld.begin(), I.touchedOld.end());
-  moment.tube = rowsAround(*I.ground, touched, kRings);
-  addRows(I.domain(), I.pattern(), now.samples, 1.0, I.K);
+  std::vector<DragSystem::Part> parts = I.shared->move(now);
+  std::vector<std::vector<DragSystem::Part>> ofOwn(I.own.size());
   parallelFor(
-      2, [&](std::int64_t half) { I.workOn(half, moment); }, 1);
-  addRows(I.domain(), I.pattern(), now.samples, -1.0, I.K);
+      std::ssize(I.own),
+      [&](std::int64_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        ofOwn[k] = I.moveOwn(I.own[k], now);
+      },
+      1);
 
-  // Both halves side by side, where either is anything
+  // Rows to vertices; then all parts side by side, where any is something
+  const auto rename = [](DragSystem::Part& part, const auto& vertexOf) {
+    for (std::int32_t& r : part.row) r = vertexOf(static_cast<std::size_t>(r));
+  };
+  for (DragSystem::Part& part : parts)
+    rename(part, [&](std::size_t r) { return I.ground->pattern->vertex[r]; });
+  for (std::size_t k = 0; k < I.own.size(); ++k) {
+    const FieldRegion& region = *I.own[k].ground->region;
+    for (DragSystem::Part& part : ofOwn[k]) {
+      rename(part, [&](std::size_t r) {
+        return region.vertex[static_cast<std::size_t>(region.pattern->vertex[r])];
+      });
+      parts.push_back(std::move(part));
+    }
+  }
   Frame out;
-  for (const Eigen::Index j : moment.act) out.fields.push_back(static_cast<std::int32_t>(j));
-  const Impl::Half& a = I.halves[0];
-  const Impl::Half& b = I.halves[1];
-  std::vector<std::int32_t> rows = a.row;
-  for (const std::int32_t r : b.row) {
-    if (a.place[static_cast<std::size_t>(r)] < 0) rows.push_back(r);
+  for (const DragSystem::Part& part : parts) {
+    for (const std::int32_t v : part.row) {
+      std::int32_t& at = I.place[static_cast<std::size_t>(v)];
+      if (at >= 0) continue;
+      at = static_cast<std::int32_t>(out.vertices.size());
+      out.vertices.push_back(v);
+    }
+    out.fields.insert(out.fields.end(), part.fields.begin(), part.fields.end());
+    out.lastStep = std::max(out.lastStep, part.lastStep / I.maxValue);
   }
-  out.change = TubeBlock::Zero(std::ssize(rows), std::ssize(moment.act));
-  out.change.topLeftCorner(a.x.rows(), a.x.cols()) = a.x;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::int32_t at = b.place[static_cast<std::size_t>(rows[i])];
-    if (at >= 0) out.change.row(static_cast<Eigen::Index>(i)).tail(b.x.cols()) = b.x.row(at);
-    out.vertices.push_back(I.pattern().vertex[static_cast<std::size_t>(rows[i])]);
+  out.change = TubeBlock::Zero(std::ssize(out.vertices), std::ssize(out.fields));
+  Eigen::Index column = 0;
+  for (const DragSystem::Part& part : parts) {
+    for (std::size_t i = 0; i < part.row.size(); ++i)
+      out.change.row(I.place[static_cast<std::size_t>(part.row[i])])
+          .segment(column, part.change.cols()) = part.change.row(static_cast<Eigen::Index>(i));
+    column += part.change.cols();
   }
-  for (Impl::Half& half : I.halves) {
-    for (const std::int32_t r : half.row) half.place[static_cast<std::size_t>(r)] = -1;
-    out.lastStep = std::max(out.lastStep, half.lastStep / I.maxValue);
-  }
+  for (const std::int32_t v : out.vertices) I.place[static_cast<std::size_t>(v)] = -1;
   out.targets.resize(now.samples.size());
   for (const RowPiece& piece : now.pieces)
     std::fill_n(out.targets.begin() + piece.first, piece.count, piece.target);

@@ -2,10 +2,9 @@
 
 #include <ecorche/mesh/spline.h>
 #include <ecorche/tissue/curve_walk.h>
-#include <ecorche/tissue/drag_ground.h>
-#include <ecorche/tissue/tissue_fields.h>
+#include <ecorche/tissue/drag_system.h>
+#include <ecorche/tissue/own_field.h>
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,53 +18,40 @@ struct CurveRef {
   friend bool operator==(const CurveRef&, const CurveRef&) = default;
 };
 
-/// How closely drags follow (docs/algorithms/interactive.md). Shares are of the largest tissue
-/// value.
-struct DragOptions {
-  /// Fields that change by less are left as they are, and so is every vertex where all would.
-  double tolerance = 0.004;
-  /// The flux along a curve is linear between so many places.
-  int knots = 30;
-  /// Over the tets near the curve, where it was and where it is.
-  int sweeps = 8;
+/// Equations that drags stand on, settled.
+struct DragGrounds {
+  std::shared_ptr<const DragGround> shared;  ///< of fat and isotropic tissues
+  std::vector<OwnEquations> own;             ///< of anisotropic ones; a tissue without: stays
 };
 
-/// Fields that follow curves under the hand, within a frame and good enough to look at.
-///
-/// Only the rows of the moved curves change: K' = K − B_oᵀ W_o B_o + B_nᵀ W_n B_n. The factor of K
-/// stays. What old rows read and what new ones pull is smooth along a curve, so some thirty hats
-/// stand for hundreds of rows: a small Woodbury system, whose columns go down the elimination tree
-/// from the curve to the root alone and come back where they matter (mesh/tree_solver.h). What that
-/// misses is local: a few Gauss–Seidel sweeps over the tets near the curves (tube_sweeps.h). See
-/// docs/algorithms/interactive.md for what was measured.
-///
-/// Every frame begins at the settled fields: nothing piles up.
+/// Fields that follow curves under the hand, within a frame and good enough to look at: those of
+/// fat and isotropic tissues in the equations that they share, those of anisotropic ones each in
+/// its own, whose medium stays as it was settled (drag_system.h).
 class CurveDrag {
  public:
-  /// Values of all fields at a vertex, as the equations gave them, fat first.
-  using RawRow = std::function<const double*(std::int32_t vertex)>;
+  using RawRow = DragSystem::RawRow;
 
-  /// @param ground   of the settled fields; kept
-  /// @param walker   of the same domain; kept by reference
-  /// @param moved    curves of isotropic tissues that the hand moves
+  /// @param grounds  of the settled fields; kept
+  /// @param walker   of `domain`; both kept by reference
+  /// @param moved    curves that the hand moves
   /// @param raw      settled, must answer as long as this lives
-  CurveDrag(std::shared_ptr<DragGround> ground, const CurveWalker& walker, const CoreSamples& cores,
-            const std::vector<CurveTissue>& tissues, const TissueOptions& options,
-            std::vector<CurveRef> moved, RawRow raw, DragOptions how = {});
+  CurveDrag(const domain::Domain& domain, DragGrounds grounds, const CurveWalker& walker,
+            const CoreSamples& cores, const std::vector<CurveTissue>& tissues,
+            const TissueOptions& options, std::vector<CurveRef> moved, RawRow raw,
+            DragOptions how = {});
   ~CurveDrag();
   CurveDrag(CurveDrag&&) noexcept;
   CurveDrag& operator=(CurveDrag&&) noexcept;
 
   [[nodiscard]] const std::vector<CurveRef>& moved() const;
-  /// Fields that stay as they are settled: those of anisotropic tissues.
-  [[nodiscard]] const std::vector<Eigen::Index>& frozen() const;
+  /// Fields that stay as they are settled: of anisotropic tissues without equations. Ascending.
+  [[nodiscard]] const std::vector<std::int32_t>& frozen() const;
 
   /// What is other than settled.
   struct Frame {
     std::vector<std::int32_t> vertices;
-    std::vector<std::int32_t> fields;  ///< columns of TissueFields::values
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
-        change;                         ///< #vertices×#fields, to raw values
+    std::vector<std::int32_t> fields;   ///< columns of TissueFields::values
+    TubeBlock change;                   ///< #vertices×#fields, to raw values
     std::vector<CoreSample> samples;    ///< of the moved curves, where they are now
     std::vector<double> targets;        ///< tissue value at each
     std::vector<NearCurve> nearCurves;  ///< of the moved curves

@@ -117,7 +117,7 @@ struct MovedFields::Impl {
   }
 };
 
-MovedFields::MovedFields(const domain::Domain& domain, std::shared_ptr<DragGround> ground,
+MovedFields::MovedFields(const domain::Domain& domain, DragGrounds grounds,
                          const CurveWalker& walker, const CoreSamples& cores,
                          const std::vector<CurveTissue>& tissues, const TissueOptions& options,
                          std::vector<CurveRef> moved, TissueFields& fields,
@@ -151,11 +151,10 @@ MovedFields::MovedFields(const domain::Domain& domain, std::shared_ptr<DragGroun
   }
   std::ranges::stable_sort(I.others, {}, &NearCurve::vertex);
   I.drag = std::make_unique<CurveDrag>(
-      std::move(ground), walker, cores, tissues, options, std::move(moved),
+      domain, std::move(grounds), walker, cores, tissues, options, std::move(moved),
       [impl = impl_.get()](std::int32_t v) { return impl->raw(v); });
   for (std::int32_t j = 0; j < fields.values.cols(); ++j) {
-    if (!std::ranges::binary_search(I.drag->frozen(), static_cast<Eigen::Index>(j)))
-      I.moving.push_back(j);
+    if (!std::ranges::binary_search(I.drag->frozen(), j)) I.moving.push_back(j);
   }
 }
 MovedFields::~MovedFields() = default;
@@ -193,7 +192,9 @@ MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
   std::vector<std::int32_t> all;
   std::ranges::set_union(vertices, I.changed, std::back_inserter(all));
   std::vector<std::int32_t> columns;
-  std::ranges::set_union(frame.fields, I.changedFields, std::back_inserter(columns));
+  std::vector<std::int32_t> changing = frame.fields;
+  std::ranges::sort(changing);
+  std::ranges::set_union(changing, I.changedFields, std::back_inserter(columns));
   for (std::size_t i = 0; i < frame.fields.size(); ++i)
     I.placeOfField[static_cast<std::size_t>(frame.fields[i])] = static_cast<std::int32_t>(i);
   for (const NearCurve& n : frame.nearCurves) I.near[static_cast<std::size_t>(n.vertex)] |= 2;
@@ -274,7 +275,7 @@ MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
   }
   out.error = frame.lastStep;
   I.changed = vertices;
-  I.changedFields = std::move(frame.fields);
+  I.changedFields = std::move(changing);
   return out;
 }
 

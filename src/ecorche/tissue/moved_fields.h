@@ -14,11 +14,11 @@ class MovedFields {
  public:
   /// @param domain   of the fields
   /// @param cores    of the settled curves; kept by reference, as walker, fields and owner are
-  /// @param moved    isotropic, each once
-  MovedFields(const domain::Domain& domain, std::shared_ptr<DragGround> ground,
-              const CurveWalker& walker, const CoreSamples& cores,
-              const std::vector<CurveTissue>& tissues, const TissueOptions& options,
-              std::vector<CurveRef> moved, TissueFields& fields, std::vector<TissueId>& owner);
+  /// @param moved    each once
+  MovedFields(const domain::Domain& domain, DragGrounds grounds, const CurveWalker& walker,
+              const CoreSamples& cores, const std::vector<CurveTissue>& tissues,
+              const TissueOptions& options, std::vector<CurveRef> moved, TissueFields& fields,
+              std::vector<TissueId>& owner);
   ~MovedFields();
   MovedFields(const MovedFields&) = delete;
   MovedFields& operator=(const MovedFields&) = delete;

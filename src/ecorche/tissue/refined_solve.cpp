@@ -42,8 +42,7 @@ void residualOf(const DragGround& ground, const SparseSides& b, const FieldMatri
   const mesh::NeighbourRows& rows = *ground.rows;
   const auto i = static_cast<std::size_t>(row);
   const Eigen::Index k = X.cols();
-  const double diagonal =
-      ground.K[static_cast<std::size_t>(ground.solver->pattern().diagonal(row))];
+  const double diagonal = ground.diagonal(row);
   const double* x = X.data() + row * k;
   for (Eigen::Index c = 0; c < k; ++c) r[c] = -diagonal * x[c];
   if (b.place[i] >= 0) {
@@ -63,7 +62,6 @@ void residualOf(const DragGround& ground, const SparseSides& b, const FieldMatri
 mesh::SparseColumns residual(const DragGround& ground, const SparseSides& b,
                              const Eigen::Ref<const Eigen::VectorXd>& scale, const FieldMatrix& X,
                              std::span<const std::int32_t> rows, double usual) {
-  const mesh::StiffnessPattern& pattern = ground.solver->pattern();
   const auto n = std::ssize(rows);
   const Eigen::Index k = X.cols();
   struct Entry {
@@ -80,9 +78,7 @@ mesh::SparseColumns residual(const DragGround& ground, const SparseSides& b,
         Eigen::RowVectorXd r(k);
         for (auto i = chunk * kGrain; i < std::min<std::int64_t>(n, (chunk + 1) * kGrain); ++i) {
           const std::int32_t row = rows[static_cast<std::size_t>(i)];
-          const double nothing =
-              kRounding *
-              std::min(usual, ground.K[static_cast<std::size_t>(pattern.diagonal(row))]);
+          const double nothing = kRounding * std::min(usual, ground.diagonal(row));
           residualOf(ground, b, X, row, r.data());
           for (Eigen::Index c = 0; c < k; ++c) {
             if (std::abs(r[c]) > nothing * scale[c])
@@ -103,10 +99,9 @@ mesh::SparseColumns residual(const DragGround& ground, const SparseSides& b,
 
 // The middle one of all diagonals.
 double usualDiagonal(const DragGround& ground) {
-  const mesh::StiffnessPattern& pattern = ground.solver->pattern();
   std::vector<double> diagonal;
-  for (std::int32_t r = 0; r < pattern.rowCount(); ++r)
-    diagonal.push_back(ground.K[static_cast<std::size_t>(pattern.diagonal(r))]);
+  for (std::int32_t r = 0; r < ground.pattern->rowCount(); ++r)
+    diagonal.push_back(ground.diagonal(r));
   const auto middle = diagonal.begin() + std::ssize(diagonal) / 2;
   std::ranges::nth_element(diagonal, middle);
   return *middle;
@@ -124,7 +119,7 @@ std::vector<std::int32_t> withNeighbours(const DragGround& ground,
       is[static_cast<std::size_t>(ground.rows->neighbour[e])] = 1;
   }
   std::vector<std::int32_t> out;
-  for (const std::int32_t row : ground.solver->symbolic()->order()) {
+  for (const std::int32_t row : ground.symbolic->order()) {
     if (is[static_cast<std::size_t>(row)] != 0) out.push_back(row);
   }
   return out;
@@ -176,9 +171,7 @@ class Stubborn {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const auto at = static_cast<int>(i);
       const auto r = static_cast<std::size_t>(rows_[i]);
-      entries.emplace_back(
-          at, at,
-          ground_.K[static_cast<std::size_t>(ground_.solver->pattern().diagonal(rows_[i]))]);
+      entries.emplace_back(at, at, ground_.diagonal(rows_[i]));
       for (auto e = static_cast<std::size_t>(ground_.rows->first[r]);
            e < static_cast<std::size_t>(ground_.rows->first[r + 1]); ++e) {
         const auto there = std::ranges::lower_bound(rows_, ground_.rows->neighbour[e]);
@@ -253,6 +246,63 @@ SparseSides::SparseSides(std::int32_t rowCount, std::vector<std::int32_t> rows,
   value = FieldMatrix::Zero(std::ssize(rows), columns);
 }
 
+SparseSides sidesOf(const mesh::TetMesh& mesh, const mesh::StiffnessPattern& pattern,
+                    const std::vector<CoreSample>& samples, const FieldMatrix& worth) {
+  EC_REQUIRE_EQ(std::ssize(samples), worth.rows());
+  const auto rowOf = [&](const CoreSample& s, int k) {
+    return pattern.row[static_cast<std::size_t>(mesh.T(s.tet, k))];
+  };
+  std::vector<std::int32_t> rows;
+  for (const CoreSample& s : samples) {
+    for (int k = 0; k < 4; ++k) {
+      if (rowOf(s, k) >= 0) rows.push_back(rowOf(s, k));
+    }
+  }
+  SparseSides out(pattern.rowCount(), std::move(rows), worth.cols());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (int k = 0; k < 4; ++k) {
+      if (rowOf(samples[i], k) < 0) continue;
+      out.value.row(out.place[static_cast<std::size_t>(rowOf(samples[i], k))]) +=
+          samples[i].weight * samples[i].barycentric[k] * worth.row(static_cast<Eigen::Index>(i));
+    }
+  }
+  return out;
+}
+
+std::vector<std::int32_t> rowsThatDiffer(const mesh::StiffnessPattern& pattern,
+                                         const std::vector<double>& before,
+                                         const std::vector<double>& after) {
+  const SparseSides none(pattern.rowCount(), {}, 0);
+  return rowsThatDiffer(pattern, before, none, after, none);
+}
+
+std::vector<std::int32_t> rowsThatDiffer(const mesh::StiffnessPattern& pattern,
+                                         const std::vector<double>& before,
+                                         const SparseSides& sidesBefore,
+                                         const std::vector<double>& after,
+                                         const SparseSides& sidesAfter) {
+  EC_REQUIRE_EQ(before.size(), after.size());
+  EC_REQUIRE_EQ(sidesBefore.value.cols(), sidesAfter.value.cols());
+  std::vector<std::uint8_t> is(static_cast<std::size_t>(pattern.rowCount()), 0);
+  for (std::size_t r = 0; r < is.size(); ++r) {
+    for (auto e = static_cast<std::size_t>(pattern.first[r]);
+         e < static_cast<std::size_t>(pattern.first[r + 1]) && !before.empty(); ++e) {
+      if (before[e] == after[e]) continue;
+      is[r] = 1;
+      is[static_cast<std::size_t>(pattern.index[e])] = 1;
+    }
+    const std::int32_t then = sidesBefore.place[r];
+    const std::int32_t now = sidesAfter.place[r];
+    if (then < 0 && now < 0) continue;
+    if (then < 0 || now < 0 || sidesBefore.value.row(then) != sidesAfter.value.row(now)) is[r] = 1;
+  }
+  std::vector<std::int32_t> out;
+  for (std::size_t r = 0; r < is.size(); ++r) {
+    if (is[r] != 0) out.push_back(static_cast<std::int32_t>(r));
+  }
+  return out;
+}
+
 Refined refinedSolve(const DragGround& ground, const SparseSides& b,
                      const Eigen::Ref<const Eigen::VectorXd>& scale, FieldMatrix& X,
                      const std::function<bool()>& stop, std::span<const std::int32_t> changed) {
@@ -279,7 +329,7 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
   while (out.passes < kMostPasses) {
     if (stop && stop()) return out;
     const bool some = out.passes == 0 && !changed.empty();
-    std::span<const std::int32_t> where = ground.solver->symbolic()->order();
+    std::span<const std::int32_t> where = ground.symbolic->order();
     if (some) where = changed;
     // From the third pass on all rows have been looked at
     if (out.passes > 1) where = near;

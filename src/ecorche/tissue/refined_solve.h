@@ -16,6 +16,21 @@ struct SparseSides {
   SparseSides(std::int32_t rowCount, std::vector<std::int32_t> rows, Eigen::Index columns);
 };
 
+/// Bᵀ W of some rows.
+/// @param worth  #samples×k, what each row asks for
+[[nodiscard]] SparseSides sidesOf(const mesh::TetMesh& mesh, const mesh::StiffnessPattern& pattern,
+                                  const std::vector<CoreSample>& samples, const FieldMatrix& worth);
+/// Rows where equations of one pattern are others: both ends of every entry, and right sides.
+/// @param before, after  values on the pattern; both empty: the same
+[[nodiscard]] std::vector<std::int32_t> rowsThatDiffer(const mesh::StiffnessPattern& pattern,
+                                                       const std::vector<double>& before,
+                                                       const std::vector<double>& after);
+[[nodiscard]] std::vector<std::int32_t> rowsThatDiffer(const mesh::StiffnessPattern& pattern,
+                                                       const std::vector<double>& before,
+                                                       const SparseSides& sidesBefore,
+                                                       const std::vector<double>& after,
+                                                       const SparseSides& sidesAfter);
+
 /// What came of a refinement.
 struct Refined {
   bool done = false;                   ///< false: stopped, or 32 bits are too few for this matrix

@@ -1,9 +1,12 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
+#include <ecorche/tissue/own_field.h>
 #include <ecorche/tissue/refined_solve.h>
 #include <ecorche/tissue/settling.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -15,10 +18,11 @@ namespace {
 constexpr double kMostShare = 0.8;
 constexpr std::int64_t kGrain = 8192;
 
-std::vector<std::int32_t> rowsWhere(const std::vector<std::uint8_t>& is) {
-  std::vector<std::int32_t> out;
-  for (std::size_t r = 0; r < is.size(); ++r) {
-    if (is[r] != 0) out.push_back(static_cast<std::int32_t>(r));
+// Names of tissues in the order of their columns, after fat
+std::vector<std::string> columnsOf(const std::vector<CurveTissue>& tissues) {
+  std::vector<std::string> out;
+  for (const CurveTissue& tissue : tissues) {
+    if (tissue.anisotropy.isIsotropic()) out.push_back(tissue.name);
   }
   return out;
 }
@@ -36,14 +40,16 @@ struct Settling::Impl {
   FieldMatrix X;
   std::optional<SparseSides> b;
   std::vector<double> K;
-  FieldMatrix spare;                // of X's size
-  std::vector<std::string> column;  // names of tissues
+  FieldMatrix spare;                    // of X's size
+  std::vector<std::string> column;      // names of isotropic tissues
+  std::map<std::string, OwnField> own;  // of anisotropic ones
 
-  [[nodiscard]] std::vector<std::uint8_t> changed(const std::vector<double>& before,
-                                                  const std::vector<double>& after) const;
-  void start(const std::vector<CurveTissue>& tissues, FieldMatrix& out) const;
+  void start(const std::vector<std::string>& wanted, FieldMatrix& out) const;
   [[nodiscard]] SparseSides rightSides(const CoreSamples& cores,
                                        const std::vector<CurveTissue>& tissues) const;
+  OwnField::Outcome solveOwn(const std::vector<double>& shared, const CoreSamples& cores,
+                             const std::vector<CurveTissue>& tissues,
+                             const std::function<bool()>& stop);
   Result<Settled> asWhole(const CoreSamples& cores, const std::vector<CurveTissue>& tissues,
                           const TissueOptions& options, RunContext& run) const;
 };
@@ -58,32 +64,17 @@ Settling::Settling(std::shared_ptr<const TissueSolver> solver)
                                         .b = {},
                                         .K = {},
                                         .spare = {},
-                                        .column = {}})) {}
+                                        .column = {},
+                                        .own = {}})) {}
 Settling::Settling(Settling&&) noexcept = default;
 Settling& Settling::operator=(Settling&&) noexcept = default;
 Settling::~Settling() = default;
 
 const std::shared_ptr<const TissueSolver>& Settling::solver() const { return impl_->solver; }
 
-// Rows of matrices that are others, both ends of every entry.
-std::vector<std::uint8_t> Settling::Impl::changed(const std::vector<double>& before,
-                                                  const std::vector<double>& after) const {
-  const mesh::StiffnessPattern& pattern = solver->pattern();
-  std::vector<std::uint8_t> is(static_cast<std::size_t>(pattern.rowCount()), 0);
-  for (std::size_t r = 0; r < is.size(); ++r) {
-    for (auto e = static_cast<std::size_t>(pattern.first[r]);
-         e < static_cast<std::size_t>(pattern.first[r + 1]); ++e) {
-      if (before[e] == after[e]) continue;
-      is[r] = 1;
-      is[static_cast<std::size_t>(pattern.index[e])] = 1;
-    }
-  }
-  return is;
-}
-
 // Where a tissue was, its field is near; others begin at nothing.
-void Settling::Impl::start(const std::vector<CurveTissue>& tissues, FieldMatrix& out) const {
-  if (X.size() > 0 && std::ranges::equal(tissues, column, {}, &CurveTissue::name)) {
+void Settling::Impl::start(const std::vector<std::string>& wanted, FieldMatrix& out) const {
+  if (X.size() > 0 && wanted == column) {
     out.resize(X.rows(), X.cols());
     parallelFor((X.rows() + kGrain - 1) / kGrain,
                 [&](std::int64_t i) {
@@ -93,17 +84,17 @@ void Settling::Impl::start(const std::vector<CurveTissue>& tissues, FieldMatrix&
                 1);
     return;
   }
-  out.setZero(solver->pattern().rowCount(), static_cast<Eigen::Index>(tissues.size()) + 1);
+  out.setZero(solver->pattern().rowCount(), std::ssize(wanted) + 1);
   if (X.size() == 0) return;
   out.col(0) = X.col(0);
-  for (std::size_t i = 0; i < tissues.size(); ++i) {
-    const auto was = std::ranges::find(column, tissues[i].name);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const auto was = std::ranges::find(column, wanted[i]);
     if (was != column.end())
       out.col(static_cast<Eigen::Index>(i) + 1) = X.col((was - column.begin()) + 1);
   }
 }
 
-// Column 0: all curves at 1, which gives fat. Column i + 1: tissue i, Bᵀ W d.
+// Column 0: all curves at 1, which gives fat. Then one per isotropic tissue, Bᵀ W d.
 SparseSides Settling::Impl::rightSides(const CoreSamples& cores,
                                        const std::vector<CurveTissue>& tissues) const {
   const mesh::StiffnessPattern& pattern = solver->pattern();
@@ -116,7 +107,11 @@ SparseSides Settling::Impl::rightSides(const CoreSamples& cores,
       if (rowOf(s, k) >= 0) all.push_back(rowOf(s, k));
     }
   }
-  SparseSides out(pattern.rowCount(), std::move(all), std::ssize(tissues) + 1);
+  std::vector<Eigen::Index> columnOf;
+  Eigen::Index count = 1;
+  for (const CurveTissue& tissue : tissues)
+    columnOf.push_back(tissue.anisotropy.isIsotropic() ? count++ : -1);
+  SparseSides out(pattern.rowCount(), std::move(all), count);
   for (const CoreSample& s : cores.samples) {
     const auto tissue = static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
     const TissueCurve& curve = tissues[tissue].curves[static_cast<std::size_t>(s.curve)];
@@ -125,10 +120,49 @@ SparseSides Settling::Impl::rightSides(const CoreSamples& cores,
       if (rowOf(s, k) < 0) continue;
       auto b = out.value.row(out.place[static_cast<std::size_t>(rowOf(s, k))]);
       b[0] += s.weight * s.barycentric[k];
-      b[static_cast<Eigen::Index>(tissue) + 1] += s.weight * target * s.barycentric[k];
+      if (columnOf[tissue] >= 0) b[columnOf[tissue]] += s.weight * target * s.barycentric[k];
     }
   }
   return out;
+}
+
+// Fields of anisotropic tissues, each by its own equations; what is no longer there is forgotten.
+OwnField::Outcome Settling::Impl::solveOwn(const std::vector<double>& shared,
+                                           const CoreSamples& cores,
+                                           const std::vector<CurveTissue>& tissues,
+                                           const std::function<bool()>& stop) {
+  std::map<std::string, OwnField> now;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    if (tissues[i].anisotropy.isIsotropic()) continue;
+    which.push_back(i);
+    const auto was = own.find(tissues[i].name);
+    now.emplace(tissues[i].name, was != own.end() ? std::move(was->second) : OwnField());
+  }
+  own = std::move(now);
+  const bool isFirst = std::ranges::any_of(own, [](const auto& it) { return !it.second.ground(); });
+  std::once_flag once;
+  std::optional<mesh::Cholesky> factor;
+  const SharedEquations equations{
+      shared, [&]() -> const mesh::Cholesky& {
+        std::call_once(once, [&] { factor.emplace(*solver->symbolic(), shared, 1); });
+        return *factor;
+      },
+      isFirst ? OwnField::wholeOf(*solver) : nullptr};
+  std::vector<OwnField::Outcome> how(which.size());
+  parallelFor(
+      std::ssize(which),
+      [&](std::int64_t k) {
+        const std::size_t i = which[static_cast<std::size_t>(k)];
+        how[static_cast<std::size_t>(k)] =
+            own.at(tissues[i].name)
+                .solve(*solver, equations, cores, tissues[i],
+                       TissueId(kFirstMuscle.value + static_cast<std::int64_t>(i)), stop);
+      },
+      1);
+  const auto other =
+      std::ranges::find_if(how, [](OwnField::Outcome is) { return is != OwnField::Outcome::Done; });
+  return other == how.end() ? OwnField::Outcome::Done : *other;
 }
 
 Result<Settling::Settled> Settling::Impl::asWhole(const CoreSamples& cores,
@@ -140,7 +174,7 @@ Result<Settling::Settled> Settling::Impl::asWhole(const CoreSamples& cores,
   run.progress("tissue fields", 0.5);
   auto fields = solver->solve(*factor, cores, tissues, options, run);
   if (!fields) return passOn(fields);
-  return Settled{std::move(*fields), std::move(*factor), nullptr, {}, 0, 1.0};
+  return Settled{std::move(*fields), std::move(*factor), nullptr, {}, {}, 0, 1.0};
 }
 
 Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
@@ -151,20 +185,18 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
   const auto cancelled = [] {
     return fail(ErrorCode::Cancelled, "cancelled while solving tissue fields");
   };
-  const bool isotropic = std::ranges::all_of(
-      tissues, [](const CurveTissue& tissue) { return tissue.anisotropy.isIsotropic(); });
-  if (!isotropic || I.solver->symbolic() == nullptr) return I.asWhole(cores, tissues, options, run);
+  if (I.solver->symbolic() == nullptr) return I.asWhole(cores, tissues, options, run);
   if (run.cancelled()) return cancelled();
   if (auto held = I.solver->checkHeld(cores); !held) return passOn(held);
 
   std::vector<double> K = I.solver->stiffness();
-  addRows(I.solver->domain(), I.solver->pattern(), cores.samples, 1.0, K);
+  addRows(I.solver->domain().mesh, I.solver->pattern(), cores.samples, 1.0, K);
   if (!I.rows)
     I.rows = std::make_shared<const mesh::NeighbourRows>(mesh::neighbourRows(I.solver->pattern()));
   const auto stop = [&] { return run.cancelled(); };
   std::shared_ptr<const mesh::SingleCholesky> factor;
   if (I.whole) {
-    const auto changed = rowsWhere(I.changed(I.wholeK, K));
+    const auto changed = rowsThatDiffer(I.solver->pattern(), I.wholeK, K);
     if (changed.empty()) {
       factor = I.whole;
     } else if (I.whole->shareOf(changed) < kMostShare) {
@@ -179,37 +211,47 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
 
   Settled out;
   out.factored = factor == I.whole ? 0.0 : factor->shareMade();
-  out.ground = std::make_shared<DragGround>(I.solver, factor, std::move(K), I.rows);
+  out.ground = std::make_shared<DragGround>(
+      std::shared_ptr<const mesh::StiffnessPattern>(I.solver, &I.solver->pattern()),
+      std::shared_ptr<const mesh::SymbolicCholesky>(I.solver, I.solver->symbolic()),
+      mesh::TreeSolver<float>(factor), std::move(K), I.rows);
   out.ground->stubborn = I.stubborn;
   FieldMatrix& X = I.spare;
-  I.start(tissues, X);
+  const std::vector<std::string> column = columnsOf(tissues);
+  I.start(column, X);
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(X.cols());
-  for (std::size_t i = 0; i < tissues.size(); ++i) {
-    for (const TissueCurve& curve : tissues[i].curves) {
-      double& largest = scale[static_cast<Eigen::Index>(i) + 1];
+  Eigen::Index c = 1;
+  for (const CurveTissue& tissue : tissues) {
+    if (!tissue.anisotropy.isIsotropic()) continue;
+    double& largest = scale[c++];
+    for (const TissueCurve& curve : tissue.curves)
       largest = std::max(largest, *std::ranges::max_element(curve.values));
-    }
   }
   SparseSides b = I.rightSides(cores, tissues);
   // With the same tissues, only rows of what has been edited are not solved for
   std::vector<std::int32_t> edited;
-  if (I.b && std::ranges::equal(tissues, I.column, {}, &CurveTissue::name)) {
-    auto is = I.changed(I.K, out.ground->K);
-    for (std::size_t r = 0; r < is.size(); ++r) {
-      const std::int32_t now = b.place[r];
-      const std::int32_t then = I.b->place[r];
-      if (now < 0 && then < 0) continue;
-      if (now < 0 || then < 0 || b.value.row(now) != I.b->value.row(then)) is[r] = 1;
-    }
-    edited = rowsWhere(is);
-  }
+  if (I.b && column == I.column)
+    edited = rowsThatDiffer(I.solver->pattern(), I.K, *I.b, out.ground->K, b);
   const Refined refined = refinedSolve(*out.ground, b, scale, X, stop, edited);
   if (run.cancelled()) return cancelled();
   if (!refined.done) return I.asWhole(cores, tissues, options, run);
   out.passes = refined.passes;
   out.ground->stubborn = refined.stubborn;
+  run.progress("tissue fields", 0.7);
+  if (const auto how = I.solveOwn(out.ground->K, cores, tissues, stop);
+      how != OwnField::Outcome::Done) {
+    if (run.cancelled()) return cancelled();
+    return I.asWhole(cores, tissues, options, run);
+  }
   run.progress("tissue fields", 0.9);
-  auto fields = I.solver->fieldsOf(X, cores, tissues, options);
+  std::vector<OwnSolution> solved;
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    if (tissues[i].anisotropy.isIsotropic()) continue;
+    const OwnField& field = I.own.at(tissues[i].name);
+    out.own.push_back({i, field.ground()});
+    solved.push_back({i, field.ground()->region->row, field.values()});
+  }
+  auto fields = I.solver->fieldsOf(X, solved, cores, tissues, options);
   if (!fields) return passOn(fields);
   out.fields = std::move(*fields);
   out.fat = Eigen::MatrixXd::Ones(out.fields.values.rows(), 1);
@@ -223,8 +265,7 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
   I.b = std::move(b);
   I.K = out.ground->K;
   I.stubborn = out.ground->stubborn;
-  I.column.clear();
-  for (const CurveTissue& tissue : tissues) I.column.push_back(tissue.name);
+  I.column = column;
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/tissue/drag_ground.h>
+#include <ecorche/tissue/own_field.h>
 #include <ecorche/tissue/tissue_solver.h>
 
 #include <memory>
@@ -13,8 +14,8 @@ namespace ecorche::tissue {
 /// fields go on from where they were (refined_solve.h). What comes out is what TissueSolver::solve
 /// gives, to 10⁻⁹ of the largest value.
 ///
-/// Projects with anisotropic tissues are solved for by TissueSolver as a whole, and so is what 32
-/// bits are too few for.
+/// Anisotropic tissues are solved for beside each other, where their fields are something
+/// (own_field.h). What 32 bits are too few for is solved by TissueSolver as a whole.
 class Settling {
  public:
   explicit Settling(std::shared_ptr<const TissueSolver> solver);
@@ -28,6 +29,7 @@ class Settling {
     TissueFields fields;
     TissueSolver::Factor factor;         ///< where it was solved as a whole; else null
     std::shared_ptr<DragGround> ground;  ///< else this, which drags stand on
+    std::vector<OwnEquations> own;       ///< and these, one per anisotropic tissue
     Eigen::MatrixXd fat;    ///< as TissueSolver::solveFat gives it, where there is ground
     int passes = 0;         ///< of refinement
     double factored = 0.0;  ///< share of the factor that was made anew

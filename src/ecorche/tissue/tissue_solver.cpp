@@ -2,8 +2,8 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/cholesky.h>
 #include <ecorche/mesh/operators.h>
-#include <ecorche/tissue/anisotropy.h>
 #include <ecorche/tissue/near_curves.h>
+#include <ecorche/tissue/spread_tensors.h>
 #include <ecorche/tissue/tissue_solver.h>
 
 #include <algorithm>
@@ -146,41 +146,27 @@ struct TissueSolver::Impl {
   // Logarithm of a tissue's tensor on its own rows, and their weights: seven right-hand sides
   void addTensorTargets(const CoreSamples& cores, const CurveTissue& tissue, TissueId id,
                         Eigen::Ref<Eigen::MatrixXd> columns) const {
-    for (std::size_t c = 0; c < tissue.curves.size(); ++c) {
-      std::vector<const CoreSample*> own;
-      std::vector<double> u;
-      for (const CoreSample& s : cores.samples) {
-        if (s.tissue != id || s.curve != static_cast<std::int32_t>(c)) continue;
-        own.push_back(&s);
-        u.push_back(s.u);
-      }
-      const auto frames =
-          curveFrames(domain, tissue.curves[c].spline, tissue.anisotropy.rotation, u);
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        const Eigen::Matrix3d S = logTensor(frames[k], tissue.anisotropy);
-        const std::array<double, 7> entry = {S(0, 0), S(1, 1), S(2, 2), S(0, 1),
-                                             S(0, 2), S(1, 2), 1.0};
-        for (std::size_t e = 0; e < entry.size(); ++e) {
-          addTarget(*own[k], own[k]->weight * entry[e], columns.col(static_cast<Eigen::Index>(e)));
-        }
-      }
+    std::vector<CoreSample> own;
+    std::ranges::copy_if(cores.samples, std::back_inserter(own),
+                         [&](const CoreSample& s) { return s.tissue == id; });
+    const auto entries = tensorEntries(domain, tissue, own);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      for (std::size_t e = 0; e < entries[i].size(); ++e)
+        addTarget(own[i], own[i].weight * entries[i][e], columns.col(static_cast<Eigen::Index>(e)));
     }
   }
 
-  // An anisotropic tissue's own equations, from the spread logarithms. A line in its medium has
-  // √det(A across it) times the capacity; its own curve: √(λ2 λ3).
+  // An anisotropic tissue's own equations, from the spread logarithms
   struct OwnSystem {
     mesh::Cholesky factor;
     std::vector<double> weight;  // per sample
   };
   [[nodiscard]] Result<OwnSystem> ownSystem(const CoreSamples& cores, const CurveTissue& tissue,
                                             const Eigen::Ref<const Eigen::MatrixXd>& spread) const {
-    const auto A = tetTensors(spread, tissue.anisotropy);
+    const auto A = tetTensors(domain.mesh, pattern, spread, tissue.anisotropy);
     std::vector<double> K =
         mesh::assembleStiffness(domain.mesh, pattern, mesh::edgeStiffness(domain.mesh, A));
-    const auto weight = [&](const CoreSample& s) {
-      return s.weight * crossCapacity(A[static_cast<std::size_t>(s.tet)], s.tangent);
-    };
+    const auto weight = [&](const CoreSample& s) { return weightIn(A, s); };
     addCores(cores, weight, K);
     OwnSystem out{mesh::Cholesky(*symbolic, K, 1), {}};
     if (!out.factor.ok()) return singular(out.factor, tissue.name);
@@ -278,44 +264,6 @@ struct TissueSolver::Impl {
                             "are too flat; build the domain at another resolution",
                             who, p.x(), p.y(), p.z()),
                 {.object = who, .point = p});
-  }
-
-  // Tensor of every tet from the spread logarithms: S = (Σ g S_j) / (Σ g), columns xx yy zz xy xz
-  // yz and Σ g last
-  [[nodiscard]] std::vector<Eigen::Matrix3d> tetTensors(
-      const Eigen::Ref<const Eigen::MatrixXd>& spread, const Anisotropy& anisotropy) const {
-    const double l2 = std::log(anisotropy.lambda2);
-    const double l3 = std::log(anisotropy.lambda3);
-    const double lowest = std::min({0.0, l2, l3});
-    const double highest = std::max({0.0, l2, l3});
-    const double negligible = 1e-12 * spread.col(6).maxCoeff();
-    std::vector<Eigen::Matrix3d> atRow(pattern.vertex.size());
-    parallelFor(pattern.rowCount(), [&](std::int64_t r) {
-      Eigen::Matrix3d& A = atRow[static_cast<std::size_t>(r)];
-      A.setIdentity();
-      const double total = spread(r, 6);
-      if (!(total > negligible)) return;  // behind other curves, out of reach: any tensor will do
-      Eigen::Matrix3d S;
-      S << spread(r, 0), spread(r, 3), spread(r, 4),  //
-          spread(r, 3), spread(r, 1), spread(r, 5),   //
-          spread(r, 4), spread(r, 5), spread(r, 2);
-      A = tensorFromLog(S / total, lowest, highest);
-    });
-    std::vector<Eigen::Matrix3d> A(static_cast<std::size_t>(domain.mesh.T.rows()));
-    parallelFor(domain.mesh.T.rows(), [&](std::int64_t t) {
-      // A mean of positive definite tensors is one; skin corners have none of their own
-      Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-      int count = 0;
-      for (int k = 0; k < 4; ++k) {
-        const std::int32_t r = pattern.row[static_cast<std::size_t>(domain.mesh.T(t, k))];
-        if (r < 0) continue;
-        sum += atRow[static_cast<std::size_t>(r)];
-        ++count;
-      }
-      A[static_cast<std::size_t>(t)] =
-          count > 0 ? Eigen::Matrix3d(sum / count) : Eigen::Matrix3d::Identity();
-    });
-    return A;
   }
 };
 
@@ -516,16 +464,31 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
   return I.finish(std::move(begun), cores, target);
 }
 
-Result<TissueFields> TissueSolver::fieldsOf(const FieldMatrix& X, const CoreSamples& cores,
+Result<TissueFields> TissueSolver::fieldsOf(const FieldMatrix& X,
+                                            const std::vector<OwnSolution>& own,
+                                            const CoreSamples& cores,
                                             const std::vector<CurveTissue>& tissues,
                                             const TissueOptions& options) const {
   const Impl& I = *impl_;
+  EC_REQUIRE_EQ(X.cols() + std::ssize(own), std::ssize(tissues) + 1);
   Impl::Begun begun = I.begin(tissues, options);
+  FieldMatrix& values = begun.fields.values;
+  std::vector<Eigen::Index> field{0};
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    if (tissues[i].anisotropy.isIsotropic()) field.push_back(static_cast<Eigen::Index>(i) + 1);
+  }
   parallelFor(I.pattern.rowCount(), [&](std::int64_t r) {
-    auto f = begun.fields.values.row(I.pattern.vertex[static_cast<std::size_t>(r)]);
-    f = X.row(r);
+    auto f = values.row(I.pattern.vertex[static_cast<std::size_t>(r)]);
     f[0] = options.fat * (1.0 - X(r, 0));
+    for (std::size_t c = 1; c < field.size(); ++c) f[field[c]] = X(r, static_cast<Eigen::Index>(c));
   });
+  for (const OwnSolution& solution : own) {
+    for (std::size_t i = 0; i < solution.row.size(); ++i) {
+      const auto v = I.pattern.vertex[static_cast<std::size_t>(solution.row[i])];
+      values(v, static_cast<Eigen::Index>(solution.tissue) + 1) =
+          solution.values[static_cast<Eigen::Index>(i)];
+    }
+  }
   std::vector<double> target;
   for (const CoreSample& s : cores.samples) target.push_back(targetAt(tissues, s));
   return I.finish(std::move(begun), cores, target);

@@ -4,6 +4,8 @@
 #include <ecorche/tissue/tissue_fields.h>
 
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace ecorche::tissue {
 
@@ -27,6 +29,13 @@ namespace ecorche::tissue {
                                                      const CoreSamples& cores,
                                                      const std::vector<CurveTissue>& tissues,
                                                      const TissueOptions& options, RunContext& run);
+
+/// The field of an anisotropic tissue, where it is something.
+struct OwnSolution {
+  std::size_t tissue = 0;
+  std::span<const std::int32_t> row;  ///< of the solver's pattern
+  Eigen::Ref<const Eigen::VectorXd> values;
+};
 
 /// What can be done once per domain: energies, sparsity, ordering. Answers any number of tissue
 /// lists after that.
@@ -76,11 +85,14 @@ class TissueSolver {
   [[nodiscard]] Result<void> checkHeld(const CoreSamples& cores) const;
   /// Null where every vertex is skin.
   [[nodiscard]] const mesh::SymbolicCholesky* symbolic() const;
-  /// Fields of isotropic tissues from solutions of their equations, corrected near curves.
-  /// @param X  #rows×(#tissues + 1): column 0 of all curves at 1, which gives fat, column i + 1 of
-  /// tissue i
+  /// Fields from solutions of their equations, corrected near curves.
+  /// @param X    #rows×(#isotropic tissues + 1): column 0 of all curves at 1, which gives fat, then
+  /// one per isotropic tissue
+  /// @param own  those of anisotropic tissues, by tissue
   /// @errors  SystemSingular where a number is not finite
-  [[nodiscard]] Result<TissueFields> fieldsOf(const FieldMatrix& X, const CoreSamples& cores,
+  [[nodiscard]] Result<TissueFields> fieldsOf(const FieldMatrix& X,
+                                              const std::vector<OwnSolution>& own,
+                                              const CoreSamples& cores,
                                               const std::vector<CurveTissue>& tissues,
                                               const TissueOptions& options) const;
   /// Entries of the factor, for reports.

@@ -8,7 +8,7 @@ double sweepTube(const DragGround& ground, const std::vector<double>& K,
                  std::span<const std::int32_t> rows, const TubeBlock& force,
                  std::span<const std::int32_t> place, int sweeps, TubeBlock& x) {
   if (sweeps == 0 || rows.empty() || x.cols() == 0) return 0.0;
-  const mesh::StiffnessPattern& pattern = ground.solver->pattern();
+  const mesh::StiffnessPattern& pattern = *ground.pattern;
 
   // Row by row, off the diagonal; values that are nothing and stay so are left out
   struct Entry {

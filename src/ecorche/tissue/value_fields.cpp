@@ -82,6 +82,7 @@ struct ValueFields::Impl {
   // Curves that were moved
   std::shared_ptr<const CurveWalker> walker;
   std::shared_ptr<DragGround> ground;
+  std::vector<OwnEquations> own;  // of anisotropic tissues, where they were settled beside it
   std::unique_ptr<MovedFields> moving;
   std::vector<CurveTissue> settled;  // tissues that the factor is of
   bool adrift = false;
@@ -154,51 +155,49 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
   impl->walker = std::move(walker);
   impl->factor = std::move(settled->factor);
   impl->ground = std::move(settled->ground);
+  impl->own = std::move(settled->own);
   impl->fields = std::move(settled->fields);
   if (settled->fat.size() > 0) impl->phiFat = std::move(settled->fat);
   impl->owner = vertexOwners(impl->fields);
   return ValueFields(std::move(impl));
 }
 
-// One isotropic tissue's equations for other targets, by the 32-bit factor unless it will not do.
+// One tissue's equations for other targets, by the 32-bit factor unless it will not do.
 Result<Eigen::MatrixXd> ValueFields::Impl::solveRows(TissueId id, const Eigen::MatrixXd& targets,
                                                      RunContext& run) {
-  const mesh::StiffnessPattern& pattern = solver->pattern();
-  const auto rowOf = [&](const CoreSample& sample, int k) {
-    return pattern.row[static_cast<std::size_t>(domain->mesh.T(sample.tet, k))];
-  };
-  std::vector<std::int32_t> rows;
-  for (const CoreSample& sample : cores.samples) {
-    for (int k = 0; k < 4 && sample.tissue == id; ++k) {
-      if (rowOf(sample, k) >= 0) rows.push_back(rowOf(sample, k));
-    }
-  }
-  SparseSides b(pattern.rowCount(), std::move(rows), targets.cols());
+  const auto tissue = static_cast<std::size_t>(id.value - kFirstMuscle.value);
+  std::vector<CoreSample> samples;
+  std::vector<std::size_t> which;
   for (std::size_t s = 0; s < cores.samples.size(); ++s) {
-    const CoreSample& sample = cores.samples[s];
-    for (int k = 0; k < 4 && sample.tissue == id; ++k) {
-      if (rowOf(sample, k) >= 0)
-        b.value.row(b.place[static_cast<std::size_t>(rowOf(sample, k))]) +=
-            sample.weight * sample.barycentric[k] * targets.row(static_cast<Eigen::Index>(s));
-    }
+    if (cores.samples[s].tissue != id) continue;
+    samples.push_back(cores.samples[s]);
+    which.push_back(s);
+  }
+  const Eigen::MatrixXd worth = targets(which, Eigen::all);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(vertexCount(), targets.cols());
+  if (const auto its = std::ranges::find(own, tissue, &OwnEquations::tissue); its != own.end()) {
+    const FieldRegion& region = *its->ground->region;
+    const Eigen::MatrixXd X = its->ground->solve(worth);
+    for (std::size_t r = 0; r < region.row.size(); ++r)
+      out.row(solver->pattern().vertex[static_cast<std::size_t>(region.row[r])]) =
+          X.row(static_cast<Eigen::Index>(r));
+    return out;
   }
   Eigen::VectorXd scale(targets.cols());
   for (Eigen::Index c = 0; c < scale.size(); ++c)
     scale[c] = std::max(targets.col(c).cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
-  FieldMatrix X = FieldMatrix::Zero(pattern.rowCount(), targets.cols());
+  const SparseSides b = sidesOf(domain->mesh, solver->pattern(), samples, worth);
+  FieldMatrix X = FieldMatrix::Zero(solver->pattern().rowCount(), targets.cols());
   const Refined refined = refinedSolve(*ground, b, scale, X, [&] { return run.cancelled(); });
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while solving tissue fields");
   if (!refined.done) {
     auto whole = solver->factorise(cores, options, run);
     if (!whole) return passOn(whole);
     factor = std::move(*whole);
-    return solver->solveTargets(factor, cores, tissues,
-                                static_cast<std::size_t>(id.value - kFirstMuscle.value), targets,
-                                run);
+    return solver->solveTargets(factor, cores, tissues, tissue, targets, run);
   }
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(vertexCount(), X.cols());
   for (Eigen::Index r = 0; r < X.rows(); ++r)
-    out.row(pattern.vertex[static_cast<std::size_t>(r)]) = X.row(r);
+    out.row(solver->pattern().vertex[static_cast<std::size_t>(r)]) = X.row(r);
   return out;
 }
 
@@ -429,8 +428,8 @@ MovedFields::Told ValueFields::Impl::begin(std::vector<CurveRef> curves) {
   if (!adrift) settled = tissues;
   MovedFields::Told back;
   if (moving) back = moving->restore();
-  moving = std::make_unique<MovedFields>(*domain, ground, *walker, cores, settled, options,
-                                         std::move(curves), fields, owner);
+  moving = std::make_unique<MovedFields>(*domain, DragGrounds{ground, own}, *walker, cores, settled,
+                                         options, std::move(curves), fields, owner);
   return back;
 }
 

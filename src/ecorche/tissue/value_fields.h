@@ -80,9 +80,9 @@ class ValueFields {
     CurveRef curve;
     mesh::Spline spline;  ///< as many points as before
   };
-  /// Curves of isotropic tissues that a hand moves (curve_drag.h). Those moved before stay where
-  /// they were left; fields of anisotropic tissues stay as they are. Values and fat cannot be
-  /// edited from then on.
+  /// Curves that a hand moves (curve_drag.h). Those moved before stay where they were left. Fields
+  /// of anisotropic tissues follow where they were settled by a Settling; else they stay as they
+  /// are. Values and fat cannot be edited from then on.
   [[nodiscard]] Changed moveCurves(const std::vector<CurveMove>& moves);
   /// What moving these curves needs, made before the first frame asks for it; of none, what moving
   /// any does.

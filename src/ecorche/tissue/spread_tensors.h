@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ecorche/mesh/operators.h>
+#include <ecorche/tissue/tissue_fields.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace ecorche::tissue {
+
+/// What is spread from a tissue's rows to get the tensor of its medium everywhere [ABLSJ21 §3.7]:
+/// entries xx yy zz xy xz yz of its logarithm there, and 1.
+using TensorEntries = std::array<double, 7>;
+
+/// One for every sample, whose tissue's they are; curves turn to the skin of the domain.
+/// @param samples  of this tissue alone, by curve, parameters ascending
+[[nodiscard]] std::vector<TensorEntries> tensorEntries(const domain::Domain& domain,
+                                                       const CurveTissue& tissue,
+                                                       const std::vector<CoreSample>& samples);
+
+/// Tensor of every tet from what has been spread: S = (Σ g S_j) / (Σ g).
+/// @param spread  #rows×7, as TensorEntries
+[[nodiscard]] std::vector<Eigen::Matrix3d> tetTensors(
+    const mesh::TetMesh& mesh, const mesh::StiffnessPattern& pattern,
+    const Eigen::Ref<const Eigen::MatrixXd>& spread, const Anisotropy& anisotropy);
+
+/// Weight of a row in such a medium: a line has √det(A across it) times the capacity; the tissue's
+/// own curve: √(λ2 λ3).
+/// @param A  per tet
+[[nodiscard]] double weightIn(const std::vector<Eigen::Matrix3d>& A, const CoreSample& sample);
+
+}  // namespace ecorche::tissue
