@@ -254,6 +254,44 @@ TEST_CASE("an anisotropic field is solved for where it is something") {
   CHECK(away[0].ground->region != first[0].ground->region);
 }
 
+TEST_CASE("an anisotropic curve may end in a tet that has nothing but skin around it") {
+  // A pleat of the skin that reaches one vertex further in
+  domain::Domain pleated = test::cylinderDomain(1.0, 2.0, 9, 9);
+  const mesh::TetMesh& mesh = pleated.mesh;
+  const auto skinCorners = [&](Eigen::Index t) {
+    int count = 0;
+    for (int k = 0; k < 4; ++k) count += pleated.onSkin[std::size_t(mesh.T(t, k))] != 0;
+    return count;
+  };
+  Eigen::Index pleat = 0;
+  while (skinCorners(pleat) != 3) ++pleat;
+  for (int k = 0; k < 4; ++k) pleated.onSkin[std::size_t(mesh.T(pleat, k))] = 1;
+  const Vector3 end = mesh.V(mesh.T.row(pleat), Eigen::all).colwise().mean();
+
+  const auto domain = std::make_shared<const domain::Domain>(pleated);
+  RunContext run;
+  const TissueOptions options;
+  const auto solver =
+      std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
+  std::vector<CurveTissue> list{muscle("plain", {{0.3, 0.3, 0.5}, {0.3, 0.2, 1.5}}),
+                                muscle("from the pleat", {end, {0.0, 0.0, 1.0}})};
+  list[1].anisotropy = {0.4, 2.0, 0.1};
+  const CoreSamples cores = traceCurves(*domain, list, options, run).value();
+  REQUIRE(std::ranges::any_of(cores.samples,
+                              [&](const CoreSample& s) { return skinCorners(s.tet) == 4; }));
+  const auto off = [&](const ValueFields& fields) {
+    const TissueFields fresh = solver->solve(cores, list, options, run).value();
+    return (fields.fields().values - fresh.values).cwiseAbs().maxCoeff() / fresh.maxValue;
+  };
+  Settling settling(solver);
+  auto fields = ValueFields::create(domain, settling, cores, list, options, run);
+  REQUIRE(fields);
+  CHECK(off(*fields) < 1e-8);
+  list[1].curves[0].values = {1.0, 1.3};
+  REQUIRE(fields->setValues(1, {list[1].curves[0].values}, run));
+  CHECK(off(*fields) < 1e-8);
+}
+
 TEST_CASE("a cancelled solve leaves what was settled before") {
   Limb limb(5);
   Settling settling(limb.solver);

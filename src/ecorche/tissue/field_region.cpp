@@ -17,7 +17,8 @@ FieldRegion::FieldRegion(const TissueSolver& solver, const std::vector<std::uint
     return r >= 0 && inside[static_cast<std::size_t>(r)] != 0;
   };
 
-  // Tets with a corner inside, vertices in their old order
+  // Tets with a corner inside, and those with nothing but skin around them, which no row sees but
+  // curves may cross; vertices in their old order
   std::vector<std::int32_t> chosen;
   std::vector<std::int32_t> here(static_cast<std::size_t>(all.V.rows()), -1);
   std::vector<std::uint8_t> onRim(inside.size(), 0);
@@ -29,7 +30,7 @@ FieldRegion::FieldRegion(const TissueSolver& solver, const std::vector<std::uint
       const std::int32_t r = rowAt(t, k);
       (isInside(r) ? in : out) |= r >= 0;
     }
-    if (!in) continue;
+    if (!in && out) continue;
     tet[static_cast<std::size_t>(t)] = static_cast<std::int32_t>(chosen.size());
     chosen.push_back(static_cast<std::int32_t>(t));
     for (int k = 0; k < 4; ++k) {
