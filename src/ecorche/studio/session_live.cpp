@@ -251,7 +251,7 @@ bool Session::followCurves() {
   std::vector<tissue::ValueFields::CurveMove> moves;
   for (std::size_t i = 0; i < tissues_->slotOf.size(); ++i) {
     const model::Tissue* wanted = tissueOf(i, places);
-    if (!wanted || !fields.tissues()[i].anisotropy.isIsotropic()) continue;
+    if (!wanted) continue;
     for (std::size_t c = 0; c < wanted->curves.size(); ++c) {
       mesh::Spline spline = model::splineOf(wanted->curves[c]);
       const mesh::Spline& now = fields.tissues()[i].curves[c].spline;
