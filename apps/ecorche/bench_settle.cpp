@@ -16,11 +16,12 @@ struct SettleArguments {
   std::string project;
   std::string script;
   std::string tets;
+  int anisotropic = 0;
   int places = 10;
 };
 
 Result<void> runSettle(const SettleArguments& args, Session& session) {
-  const auto given = loadRecordedDrags(args.project, args.script, args.tets);
+  const auto given = loadRecordedDrags(args.project, args.script, args.tets, args.anisotropic);
   if (!given) return passOn(given);
   const auto bench =
       engine::benchSettle(given->project, given->tets, given->scripts, args.places, session.run);
@@ -95,6 +96,7 @@ void addBenchSettle(CLI::App& bench, Commands& commands) {
   settle->add_option("DRAGS", args->script, "Recorded drags (JSON; bench/drags has some)")
       ->required();
   settle->add_option("--tets", args->tets, "Size of the domain instead of the project's");
+  addAnisotropic(*settle, args->anisotropic);
   settle->add_option("--places", args->places, "Let go at so many places of each drag")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();

@@ -4,6 +4,9 @@
 #include <ecorche/model/project_file.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "counts.h"
@@ -39,14 +42,33 @@ Result<std::vector<engine::DragScript>> loadDrags(const std::string& file) {
   }
 }
 
+// Muscles all over the list, spreads all over what is asked for
+void spreadOut(model::Project& project, int count) {
+  std::vector<model::Tissue*> muscles;
+  for (model::Tissue& tissue : project.tissues) {
+    if (tissue.kind == model::Tissue::Kind::Muscle) muscles.push_back(&tissue);
+  }
+  const std::size_t wanted = std::min(static_cast<std::size_t>(count), muscles.size());
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const auto between = [&](std::size_t k) {
+      return std::pow(10.0, -1.0 + 2.0 * static_cast<double>(k % wanted) /
+                                       static_cast<double>(std::max<std::size_t>(1, wanted - 1)));
+    };
+    model::Anisotropy& spread = muscles[i * (muscles.size() / wanted)]->anisotropy;
+    spread.lambda2 = between(3 * i);
+    spread.lambda3 = between(7 * i + 2);
+  }
+}
+
 }  // namespace
 
 Result<RecordedDrags> loadRecordedDrags(const std::string& project, const std::string& script,
-                                        const std::string& tets) {
+                                        const std::string& tets, int anisotropic) {
   auto loaded = model::loadProject(project);
   if (!loaded) return passOn(loaded);
   auto scripts = loadDrags(script);
   if (!scripts) return passOn(scripts);
+  spreadOut(*loaded, anisotropic);
   RecordedDrags out{std::move(*loaded), std::move(*scripts), {}};
   if (!tets.empty()) {
     const auto count = parseCount(tets);
@@ -54,6 +76,13 @@ Result<RecordedDrags> loadRecordedDrags(const std::string& project, const std::s
     out.tets = *count;
   }
   return out;
+}
+
+void addAnisotropic(CLI::App& bench, int& count) {
+  bench
+      .add_option("--anisotropic", count,
+                  "Give so many of the muscles a spread of their own, from 0.1 to 10")
+      ->check(CLI::Range(0, 10000));
 }
 
 }  // namespace ecorche::cli

@@ -42,7 +42,6 @@ struct DragBench {
   std::int64_t tets = 0;
   std::int64_t freeVertices = 0;
   std::size_t tissues = 0;
-  double ground = 0.0;               ///< made once after fields were solved [s]
   std::optional<double> simplicial;  ///< Eigen's SimplicialLDLT: factor and all fields once [s]
   std::vector<DragRun> runs;
 };
