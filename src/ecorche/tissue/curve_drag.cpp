@@ -40,6 +40,8 @@ struct CurveDrag::Impl {
   std::vector<std::int32_t> frozen;
   std::vector<std::int32_t> place;  // #V, row of the frame in the making; −1
 
+  Impl(const domain::Domain& d, const CurveWalker& w) : domain(d), walker(w) {}
+
   [[nodiscard]] bool isNear(const Own& it, const PiecedRows& rows) const;
   std::vector<DragSystem::Part> moveOwn(Own& it, const PiecedRows& now);
 };
@@ -54,21 +56,15 @@ CurveDrag::CurveDrag(const domain::Domain& domain, DragGrounds grounds, const Cu
                      const CoreSamples& cores, const std::vector<CurveTissue>& tissues,
                      const TissueOptions& options, std::vector<CurveRef> moved, RawRow raw,
                      DragOptions how)
-    : impl_(new Impl{.domain = domain,
-                     .walker = walker,
-                     .tissues = tissues,
-                     .options = options,
-                     .moved = std::move(moved),
-                     .raw = std::move(raw),
-                     .how = how,
-                     .maxValue = options.fat,
-                     .ground = std::move(grounds.shared),
-                     .old = {},
-                     .shared = {},
-                     .own = {},
-                     .frozen = {},
-                     .place = {}}) {
+    : impl_(std::make_unique<Impl>(domain, walker)) {
   Impl& I = *impl_;
+  I.tissues = tissues;
+  I.options = options;
+  I.moved = std::move(moved);
+  I.raw = std::move(raw);
+  I.how = how;
+  I.maxValue = options.fat;
+  I.ground = std::move(grounds.shared);
   EC_REQUIRE(!I.moved.empty());
   std::vector<std::int32_t> fields{0};
   for (std::size_t t = 0; t < tissues.size(); ++t) {
@@ -78,8 +74,7 @@ CurveDrag::CurveDrag(const domain::Domain& domain, DragGrounds grounds, const Cu
     } else if (std::ranges::find(grounds.own, t, &OwnEquations::tissue) == grounds.own.end()) {
       I.frozen.push_back(field);
     }
-    for (const TissueCurve& curve : tissues[t].curves)
-      I.maxValue = std::max(I.maxValue, *std::ranges::max_element(curve.values));
+    I.maxValue = std::max(I.maxValue, tissues[t].largestValue());
   }
   for (const CurveRef& ref : I.moved) {
     std::vector<CoreSample> samples;

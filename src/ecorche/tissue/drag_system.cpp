@@ -31,7 +31,7 @@ struct DragSystem::Impl {
   const mesh::TetMesh& mesh;
   std::vector<std::int32_t> fields;
   RawRow raw;
-  double maxValue;
+  double maxValue = 0.0;
   DragOptions how;
 
   // Where the curves were
@@ -65,6 +65,9 @@ struct DragSystem::Impl {
     std::vector<std::int32_t> tube;
   };
 
+  Impl(std::shared_ptr<const DragGround> g, const mesh::TetMesh& m)
+      : ground(std::move(g)), mesh(m) {}
+
   [[nodiscard]] Eigen::Index fieldCount() const { return std::ssize(fields); }
   [[nodiscard]] std::int32_t row(const CoreSample& s, int k) const {
     return ground->pattern->row[static_cast<std::size_t>(mesh.T(s.tet, k))];
@@ -94,24 +97,14 @@ DragSystem::DragSystem(std::shared_ptr<const DragGround> ground, const mesh::Tet
                        PiecedRows old, std::vector<std::int32_t> fields, RawRow raw,
                        double maxValue, DragOptions how) {
   EC_REQUIRE(how.knots >= 2 && how.sweeps >= 0 && how.tolerance >= 0.0);
-  impl_ = std::make_unique<Impl>(Impl{.ground = std::move(ground),
-                                      .mesh = mesh,
-                                      .fields = std::move(fields),
-                                      .raw = std::move(raw),
-                                      .maxValue = maxValue,
-                                      .how = how,
-                                      .old = std::move(old),
-                                      .missOld = {},
-                                      .largestMissOld = {},
-                                      .touchedOld = {},
-                                      .pathOld = {},
-                                      .Zo = {},
-                                      .Zf = {},
-                                      .lessOld = {},
-                                      .Gof = {},
-                                      .K = {},
-                                      .halves = {}});
-  impl_->begin();
+  impl_ = std::make_unique<Impl>(std::move(ground), mesh);
+  Impl& I = *impl_;
+  I.old = std::move(old);
+  I.fields = std::move(fields);
+  I.raw = std::move(raw);
+  I.maxValue = maxValue;
+  I.how = how;
+  I.begin();
 }
 
 // ρ = d − B f, settled

@@ -21,13 +21,6 @@ constexpr int kRings = 2;
 // Of the domain: a region of more is no gain
 constexpr double kMostShare = 0.9;
 
-double largestValue(const CurveTissue& tissue) {
-  double most = 0.0;
-  for (const TissueCurve& curve : tissue.curves)
-    most = std::max(most, *std::ranges::max_element(curve.values));
-  return most;
-}
-
 // Bᵀ W of one tissue's rows, for what each asks for
 Eigen::MatrixXd rightSide(const FieldRegion& region, const std::vector<CoreSample>& own,
                           const Eigen::MatrixXd& worth) {
@@ -150,7 +143,7 @@ OwnField::Impl::Wanted OwnField::Impl::wantedIn(const FieldRegion& region,
                        [&](const CoreSample& s) { return s.tissue == id; });
   out.samples = region.within(cores.samples);
   out.own = region.within(own);
-  out.largest = largestValue(tissue);
+  out.largest = tissue.largestValue();
   out.covered = out.own.size() == own.size();
   for (const CoreSample& s : out.own) {
     const TissueCurve& curve = tissue.curves[static_cast<std::size_t>(s.curve)];

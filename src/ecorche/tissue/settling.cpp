@@ -144,7 +144,8 @@ OwnField::Outcome Settling::Impl::solveOwn(const std::vector<double>& shared,
   std::once_flag once;
   std::optional<mesh::Cholesky> factor;
   const SharedEquations equations{
-      shared, [&]() -> const mesh::Cholesky& {
+      shared,
+      [&]() -> const mesh::Cholesky& {
         std::call_once(once, [&] { factor.emplace(*solver->symbolic(), shared, 1); });
         return *factor;
       },
@@ -222,10 +223,7 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(X.cols());
   Eigen::Index c = 1;
   for (const CurveTissue& tissue : tissues) {
-    if (!tissue.anisotropy.isIsotropic()) continue;
-    double& largest = scale[c++];
-    for (const TissueCurve& curve : tissue.curves)
-      largest = std::max(largest, *std::ranges::max_element(curve.values));
+    if (tissue.anisotropy.isIsotropic()) scale[c++] = std::max(1.0, tissue.largestValue());
   }
   SparseSides b = I.rightSides(cores, tissues);
   // With the same tissues, only rows of what has been edited are not solved for

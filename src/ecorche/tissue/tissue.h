@@ -3,6 +3,7 @@
 #include <ecorche/core/ids.h>
 #include <ecorche/mesh/spline.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,14 @@ struct CurveTissue {
   std::vector<TissueCurve> curves;
   std::optional<double> coreRadius;  ///< [m]. Unset: TissueOptions::coreRadius
   Anisotropy anisotropy;
+
+  [[nodiscard]] double largestValue() const {
+    double most = 0.0;
+    for (const TissueCurve& curve : curves) {
+      for (const double value : curve.values) most = std::max(most, value);
+    }
+    return most;
+  }
 };
 
 /// What the energies are weighed with, and how they are minimised.

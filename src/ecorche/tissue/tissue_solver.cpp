@@ -201,9 +201,7 @@ struct TissueSolver::Impl {
     out.maxValue = options.fat;
     largest.assign(tissues.size(), 0.0);
     for (std::size_t i = 0; i < tissues.size(); ++i) {
-      for (const TissueCurve& c : tissues[i].curves) {
-        for (const double value : c.values) largest[i] = std::max(largest[i], value);
-      }
+      largest[i] = tissues[i].largestValue();
       out.maxValue = std::max(out.maxValue, largest[i]);
     }
     out.values = FieldMatrix::Zero(domain.mesh.V.rows(), std::ssize(tissues) + 1);

@@ -363,10 +363,8 @@ Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
   I.findRivals(basis.field);
   for (std::size_t c = 0; c < values.size(); ++c) own.curves[c].values = values[c];
   I.fields.maxValue = I.options.fat;
-  for (const CurveTissue& t : I.tissues) {
-    for (const TissueCurve& c : t.curves)
-      I.fields.maxValue = std::max(I.fields.maxValue, *std::ranges::max_element(c.values));
-  }
+  for (const CurveTissue& t : I.tissues)
+    I.fields.maxValue = std::max(I.fields.maxValue, t.largestValue());
 
   // f = Σ_p D_p φ_p, then what linear tets make wrong of it near curves
   const Eigen::Index n = I.vertexCount();
@@ -397,10 +395,8 @@ ValueFields::Changed ValueFields::setFat(double fat) {
   I.options.fat = fat;
   I.fields.fatIsCandidate = fat > 0.0;
   I.fields.maxValue = fat;
-  for (const CurveTissue& t : I.tissues) {
-    for (const TissueCurve& c : t.curves)
-      I.fields.maxValue = std::max(I.fields.maxValue, *std::ranges::max_element(c.values));
-  }
+  for (const CurveTissue& t : I.tissues)
+    I.fields.maxValue = std::max(I.fields.maxValue, t.largestValue());
   I.findRivals(0);
   const Eigen::VectorXd target =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(I.cores.samples.size()));
