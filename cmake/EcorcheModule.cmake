@@ -19,6 +19,17 @@ if(ECORCHE_CHECKED)
   target_compile_definitions(ecorche_options INTERFACE ECORCHE_CHECKED=1)
 endif()
 
+# ecorche_take_precompiled(ecorche core): a program or library takes the precompiled headers of a room. Compilers refuse
+# those of other options than a file's, with a warning: programs are compiled as what may be moved, too.
+function(ecorche_take_precompiled target room)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL EXECUTABLE)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ecorche_${room})
+endfunction()
+
 # ecorche_add_module(mesh SOURCES ... PUBLIC libs PRIVATE libs) makes ecorche::mesh.
 #
 # UNSANITIZED names sources that presets `dev` and `fuzz` compile without their sanitizers: those that instantiate CGAL's
@@ -26,18 +37,28 @@ endif()
 # within six minutes). What is lost: a wrong access or overflow in CGAL's code, or in ours within these files, goes
 # unseen until it touches heap that someone else has freed or until instrumented code meets the result. Whether memory
 # handed to them is freed once, and everything that they return, is still seen.
+#
+# PRECOMPILED says whose precompiled headers it takes (core's unless named): its own are ROOM/precompiled.h.
 function(ecorche_add_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;UNSANITIZED;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "PRECOMPILED" "SOURCES;UNSANITIZED;PUBLIC;PRIVATE" ${ARGN})
   set(target ecorche_${name})
   add_library(${target} STATIC ${ARG_SOURCES} ${ARG_UNSANITIZED})
   if((ECORCHE_SANITIZE OR ECORCHE_FUZZ) AND ARG_UNSANITIZED)
     # Eigen aligns by itself where g++ says that AddressSanitizer is at work; what one file takes others free.
     # -O2 because most of a domain's time is spent here, and nothing is left that -O1 would show better
-    set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES COMPILE_OPTIONS
+    set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS
       "-fno-sanitize=all;-g1$<$<BOOL:${ECORCHE_SANITIZE}>:;-O2;-DEIGEN_MALLOC_ALREADY_ALIGNED=0>")
   endif()
   add_library(ecorche::${name} ALIAS ${target})
   target_link_libraries(${target} PUBLIC ecorche_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  if(NOT ARG_PRECOMPILED)
+    set(ARG_PRECOMPILED core)
+  endif()
+  if(ARG_PRECOMPILED STREQUAL name)
+    target_precompile_headers(${target} PRIVATE <ecorche/${name}/precompiled.h>)
+  else()
+    ecorche_take_precompiled(${target} ${ARG_PRECOMPILED})
+  endif()
 endfunction()
 
 # Sanitizers take ten times as long [s].
@@ -46,6 +67,11 @@ if(ECORCHE_SANITIZE)
   set(ECORCHE_TEST_TIMEOUT 3600)
 endif()
 
+# Most of a test's time is spent in libraries: less is made better in the tests themselves, and they are there sooner.
+function(ecorche_compile_as_test target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # ecorche_add_test(mesh SOURCES ... LIBS ...) makes the program test_mesh; each TEST_CASE is a test of ctest, run after
 # what FIXTURES names has been set up; with SCREEN on a screen of its own, that nobody sees.
 function(ecorche_add_test name)
@@ -53,6 +79,8 @@ function(ecorche_add_test name)
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ecorche_options ecorche_test_support ${ARG_LIBS})
+  ecorche_compile_as_test(${target})
+  ecorche_take_precompiled(${target} test_support)
   set(properties TIMEOUT ${ECORCHE_TEST_TIMEOUT} ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
   if(ARG_FIXTURES)
     list(APPEND properties FIXTURES_REQUIRED ${ARG_FIXTURES})
