@@ -40,27 +40,33 @@ double meanEdge(const TetMesh& mesh, Eigen::Index t) {
   return sum / 6.0;
 }
 
-// Flux is what a tet turns a gradient into: the identity, or its tensor A.
+// One tet's entries; whether it was flattened. Flux is what it turns a gradient into: the identity,
+// or its tensor A.
 template <class Flux>
-EdgeStiffness edgeStiffnessWith(const TetMesh& mesh, const Flux& flux) {
+bool stiffnessOf(const TetMesh& mesh, Eigen::Index t, const Flux& flux, std::array<double, 6>& k) {
+  const FaceNormals face(mesh, t);
+  const double h = meanEdge(mesh, t);
+  double V = face.sixV / 6.0;
+  // A Gram matrix over any positive number stays positive semidefinite, so the floor is safe
+  const bool flat = !(V > kFlattest * h * h * h);
+  if (flat) V = kFlattest * h * h * h;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const Vector3& ni = face.n[static_cast<std::size_t>(kTetEdge[e][0])];
+    const Vector3& nj = face.n[static_cast<std::size_t>(kTetEdge[e][1])];
+    k[e] = ni.dot(flux(nj)) / (9.0 * V);
+  }
+  return flat;
+}
+
+// @param fluxIn  of every tet
+template <class FluxIn>
+EdgeStiffness edgeStiffnessWith(const TetMesh& mesh, const FluxIn& fluxIn) {
   EdgeStiffness out;
   out.k.resize(static_cast<std::size_t>(mesh.T.rows()));
   std::vector<std::uint8_t> flat(out.k.size(), 0);
   parallelFor(mesh.T.rows(), [&](std::int64_t t) {
     const auto slot = static_cast<std::size_t>(t);
-    const FaceNormals face(mesh, t);
-    const double h = meanEdge(mesh, t);
-    double V = face.sixV / 6.0;
-    // A Gram matrix over any positive number stays positive semidefinite, so the floor is safe
-    if (!(V > kFlattest * h * h * h)) {
-      V = kFlattest * h * h * h;
-      flat[slot] = 1;
-    }
-    for (std::size_t e = 0; e < 6; ++e) {
-      const Vector3& ni = face.n[static_cast<std::size_t>(kTetEdge[e][0])];
-      const Vector3& nj = face.n[static_cast<std::size_t>(kTetEdge[e][1])];
-      out.k[slot][e] = ni.dot(flux(slot, nj)) / (9.0 * V);
-    }
+    flat[slot] = stiffnessOf(mesh, t, fluxIn(slot), out.k[slot]) ? 1 : 0;
   });
   for (std::size_t t = 0; t < flat.size(); ++t) {
     if (flat[t] != 0) out.flattened.push_back(static_cast<std::int32_t>(t));
@@ -102,13 +108,21 @@ Eigen::VectorXd lumpedMass(const TetMesh& mesh) {
 }
 
 EdgeStiffness edgeStiffness(const TetMesh& mesh) {
-  return edgeStiffnessWith(mesh, [](std::size_t, const Vector3& n) { return n; });
+  return edgeStiffnessWith(mesh, [](std::size_t) { return [](const Vector3& n) { return n; }; });
 }
 
 EdgeStiffness edgeStiffness(const TetMesh& mesh, std::span<const Eigen::Matrix3d> A) {
   EC_REQUIRE_EQ(A.size(), static_cast<std::size_t>(mesh.T.rows()));
-  return edgeStiffnessWith(mesh,
-                           [&](std::size_t t, const Vector3& n) { return Vector3(A[t] * n); });
+  return edgeStiffnessWith(
+      mesh, [&](std::size_t t) { return [&A, t](const Vector3& n) { return Vector3(A[t] * n); }; });
+}
+
+std::array<double, 6> edgeStiffness(const TetMesh& mesh, Eigen::Index tet,
+                                    const Eigen::Matrix3d& A) {
+  std::array<double, 6> out{};
+  stiffnessOf(
+      mesh, tet, [&](const Vector3& n) { return Vector3(A * n); }, out);
+  return out;
 }
 
 StiffnessPattern stiffnessPattern(const TetMesh& mesh, const std::vector<std::uint8_t>& fixed) {

@@ -41,6 +41,11 @@ inline constexpr double kFlattest = 1e-6;
 /// Anisotropic: A(t) is a symmetric positive definite tensor per tet [unitless].
 [[nodiscard]] EdgeStiffness edgeStiffness(const TetMesh& mesh, std::span<const Eigen::Matrix3d> A);
 
+/// What one tet adds, edge by edge.
+/// @param A  as above
+[[nodiscard]] std::array<double, 6> edgeStiffness(const TetMesh& mesh, Eigen::Index tet,
+                                                  const Eigen::Matrix3d& A);
+
 /// Lower triangle, column by column, of any matrix that couples vertices of a common tet. It
 /// depends on connectivity and on which vertices are fixed; values come and go.
 ///

@@ -1,6 +1,7 @@
 #include <ecorche/core/contract.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/curve_drag.h>
+#include <ecorche/tissue/own_drag.h>
 
 #include <algorithm>
 #include <optional>
@@ -14,7 +15,8 @@ TissueId idOf(std::size_t tissue) {
   return TissueId(kFirstMuscle.value + static_cast<std::int64_t>(tissue));
 }
 
-// An anisotropic tissue's equations, got ready when a moved curve comes near its field
+// Equations of an anisotropic tissue whose curves stay, got ready when a moved one comes near its
+// field
 struct Own {
   std::int32_t field = 0;
   std::shared_ptr<const OwnGround> ground;
@@ -35,6 +37,8 @@ struct CurveDrag::Impl {
 
   std::shared_ptr<const DragGround> ground;
   PiecedRows old;
+  std::vector<std::int32_t> fields;  // of the shared equations
+  std::vector<OwnDrag> ownDrags;     // whose spreads are their last columns
   std::optional<DragSystem> shared;
   std::vector<Own> own;
   std::vector<std::int32_t> frozen;
@@ -42,6 +46,9 @@ struct CurveDrag::Impl {
 
   Impl(const domain::Domain& d, const CurveWalker& w) : domain(d), walker(w) {}
 
+  [[nodiscard]] DragSystem::Targets sharedTargets(const PiecedRows& rows) const;
+  [[nodiscard]] DragSystem::Part moveOwnDrag(OwnDrag& it, std::size_t which, const PiecedRows& now,
+                                             const std::vector<DragSystem::Part>& shared) const;
   [[nodiscard]] bool isNear(const Own& it, const PiecedRows& rows) const;
   std::vector<DragSystem::Part> moveOwn(Own& it, const PiecedRows& now);
 };
@@ -66,11 +73,11 @@ CurveDrag::CurveDrag(const domain::Domain& domain, DragGrounds grounds, const Cu
   I.maxValue = options.fat;
   I.ground = std::move(grounds.shared);
   EC_REQUIRE(!I.moved.empty());
-  std::vector<std::int32_t> fields{0};
+  I.fields = {0};
   for (std::size_t t = 0; t < tissues.size(); ++t) {
     const auto field = static_cast<std::int32_t>(t) + 1;
     if (tissues[t].anisotropy.isIsotropic()) {
-      fields.push_back(field);
+      I.fields.push_back(field);
     } else if (std::ranges::find(grounds.own, t, &OwnEquations::tissue) == grounds.own.end()) {
       I.frozen.push_back(field);
     }
@@ -84,14 +91,67 @@ CurveDrag::CurveDrag(const domain::Domain& domain, DragGrounds grounds, const Cu
     addPieces(tissues[ref.tissue], samples, I.old);
   }
   I.place.assign(static_cast<std::size_t>(domain.mesh.V.rows()), -1);
-  I.shared.emplace(I.ground, domain.mesh, I.old, std::move(fields), I.raw, I.maxValue, how);
+  std::vector<CoreSample> staying;
+  std::ranges::copy_if(cores.samples, std::back_inserter(staying), [&](const CoreSample& s) {
+    return std::ranges::none_of(I.moved, [&](const CurveRef& ref) {
+      return s.tissue == idOf(ref.tissue) && s.curve == ref.curve;
+    });
+  });
   for (OwnEquations& equations : grounds.own) {
-    Own& it = I.own.emplace_back();
-    it.field = static_cast<std::int32_t>(equations.tissue) + 1;
-    it.ground = std::move(equations.ground);
-    // What is near where the curves are settled is wanted in the first frame
+    if (std::ranges::find(I.moved, equations.tissue, &CurveRef::tissue) != I.moved.end()) {
+      I.ownDrags.emplace_back(domain, I.ground, std::move(equations.ground),
+                              tissues[equations.tissue], idOf(equations.tissue), staying, I.raw,
+                              I.maxValue);
+    } else {
+      I.own.push_back({.field = static_cast<std::int32_t>(equations.tissue) + 1,
+                       .ground = std::move(equations.ground),
+                       .system = {}});
+    }
+  }
+  I.shared.emplace(
+      I.ground, domain.mesh, I.old, I.sharedTargets(I.old),
+      [&I](std::int32_t v, double* values) {
+        const double* raw = I.raw(v);
+        for (const std::int32_t field : I.fields) *values++ = raw[field];
+        for (const OwnDrag& own : I.ownDrags) {
+          own.settledSpread(v, values);
+          values += OwnDrag::kSpread;
+        }
+      },
+      I.maxValue, how);
+  // What is near where the curves are settled is wanted in the first frame
+  for (Own& it : I.own) {
     if (I.isNear(it, I.old)) (void)I.moveOwn(it, I.old);
   }
+}
+
+// Those of the fields, then those of what own drags spread.
+DragSystem::Targets CurveDrag::Impl::sharedTargets(const PiecedRows& rows) const {
+  const Eigen::Index ownColumns = OwnDrag::kSpread * std::ssize(ownDrags);
+  DragSystem::Targets out(std::ssize(rows.samples), std::ssize(fields) + ownColumns);
+  out.leftCols(std::ssize(fields)) = DragSystem::tissueTargets(rows, fields);
+  for (std::size_t i = 0; i < ownDrags.size(); ++i)
+    out.middleCols(std::ssize(fields) + OwnDrag::kSpread * static_cast<Eigen::Index>(i),
+                   OwnDrag::kSpread) = ownDrags[i].spreadTargets(rows);
+  return out;
+}
+
+DragSystem::Part CurveDrag::Impl::moveOwnDrag(OwnDrag& it, std::size_t which, const PiecedRows& now,
+                                              const std::vector<DragSystem::Part>& shared) const {
+  std::vector<OwnDrag::SpreadChange> spread;
+  for (const DragSystem::Part& part : shared) {
+    OwnDrag::SpreadChange& change = spread.emplace_back();
+    change.row = part.row;
+    change.change = &part.change;
+    for (int k = 0; k < OwnDrag::kSpread; ++k) {
+      const auto column = static_cast<std::int32_t>(fields.size()) +
+                          OwnDrag::kSpread * static_cast<std::int32_t>(which) + k;
+      const auto at = std::ranges::lower_bound(part.fields, column);
+      change.column.push_back(at != part.fields.end() && *at == column ? at - part.fields.begin()
+                                                                       : -1);
+    }
+  }
+  return it.move(now, spread);
 }
 
 // Whether rows miss the field by more than what is left out.
@@ -108,17 +168,24 @@ bool CurveDrag::Impl::isNear(const Own& it, const PiecedRows& rows) const {
 }
 
 std::vector<DragSystem::Part> CurveDrag::Impl::moveOwn(Own& it, const PiecedRows& now) {
+  // Rows of other tissues: they ask for nothing here
+  const auto nothing = [](const PiecedRows& rows) {
+    return DragSystem::Targets(DragSystem::Targets::Zero(std::ssize(rows.samples), 1));
+  };
   if (!it.system) {
     if (!isNear(it, now)) return {};
+    const PiecedRows before = it.ground->rowsOf(old);
     it.system.emplace(
-        it.ground->ground, it.ground->region->mesh, it.ground->rowsOf(old),
-        std::vector<std::int32_t>{it.field},
-        [this, region = it.ground->region](std::int32_t v) {
-          return raw(region->vertex[static_cast<std::size_t>(v)]);
+        it.ground->ground, it.ground->region->mesh, before, nothing(before),
+        [this, field = it.field, region = it.ground->region](std::int32_t v, double* value) {
+          *value = raw(region->vertex[static_cast<std::size_t>(v)])[field];
         },
         maxValue, how);
   }
-  return it.system->move(it.ground->rowsOf(now));
+  const PiecedRows here = it.ground->rowsOf(now);
+  std::vector<DragSystem::Part> out = it.system->move(here, nothing(here));
+  for (DragSystem::Part& part : out) part.fields = {it.field};
+  return out;
 }
 
 CurveDrag::Frame CurveDrag::move(std::span<const mesh::Spline> splines) {
@@ -129,16 +196,35 @@ CurveDrag::Frame CurveDrag::move(std::span<const mesh::Spline> splines) {
     const CurveRef& ref = I.moved[m];
     addDragged(I.walker, I.domain, I.tissues[ref.tissue], idOf(ref.tissue), ref.curve, splines[m],
                I.options, now);
+    for (OwnDrag& own : I.ownDrags) {
+      if (own.field() == static_cast<std::int32_t>(ref.tissue) + 1)
+        own.setCurve(ref.curve, splines[m]);
+    }
   }
-  std::vector<DragSystem::Part> parts = I.shared->move(now);
+  std::vector<DragSystem::Part> parts = I.shared->move(now, I.sharedTargets(now));
   std::vector<std::vector<DragSystem::Part>> ofOwn(I.own.size());
+  std::vector<DragSystem::Part> ofOwnDrag(I.ownDrags.size());
   parallelFor(
-      std::ssize(I.own),
+      std::ssize(I.own) + std::ssize(I.ownDrags),
       [&](std::int64_t i) {
-        const auto k = static_cast<std::size_t>(i);
-        ofOwn[k] = I.moveOwn(I.own[k], now);
+        if (i < std::ssize(I.ownDrags)) {
+          const auto k = static_cast<std::size_t>(i);
+          ofOwnDrag[k] = I.moveOwnDrag(I.ownDrags[k], k, now, parts);
+        } else {
+          const auto k = static_cast<std::size_t>(i - std::ssize(I.ownDrags));
+          ofOwn[k] = I.moveOwn(I.own[k], now);
+        }
       },
       1);
+
+  // Columns to fields; those of spreads have served
+  for (DragSystem::Part& part : parts) {
+    std::erase_if(part.fields, [&](std::int32_t c) { return c >= std::ssize(I.fields); });
+    part.change.conservativeResize(Eigen::NoChange, std::ssize(part.fields));
+    for (std::int32_t& field : part.fields) field = I.fields[static_cast<std::size_t>(field)];
+  }
+  std::erase_if(parts, [](const DragSystem::Part& part) { return part.fields.empty(); });
+  std::ranges::move(ofOwnDrag, std::back_inserter(parts));
 
   // Rows to vertices; then all parts side by side, where any is something
   const auto rename = [](DragSystem::Part& part, const auto& vertexOf) {

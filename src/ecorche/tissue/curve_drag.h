@@ -25,12 +25,11 @@ struct DragGrounds {
 };
 
 /// Fields that follow curves under the hand, within a frame and good enough to look at: those of
-/// fat and isotropic tissues in the equations that they share, those of anisotropic ones each in
-/// its own, whose medium stays as it was settled (drag_system.h).
+/// fat and isotropic tissues in the equations that they share (drag_system.h), those of anisotropic
+/// ones each in its own, whose medium stays as it was settled unless the hand moves its own curves
+/// (own_drag.h).
 class CurveDrag {
  public:
-  using RawRow = DragSystem::RawRow;
-
   /// @param grounds  of the settled fields; kept
   /// @param walker   of `domain`; both kept by reference
   /// @param moved    curves that the hand moves

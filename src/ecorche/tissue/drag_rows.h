@@ -3,6 +3,7 @@
 #include <ecorche/tissue/curve_walk.h>
 #include <ecorche/tissue/tissue_fields.h>
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct PiecedRows {
   std::vector<NearCurve> nearCurves;   ///< by curve; vertices may come up for several
   std::vector<std::int32_t> curveEnd;  ///< past the last piece of each curve
 };
+
+/// Settled values of all fields at a vertex of the domain, as the equations gave them, fat first.
+using RawRow = std::function<const double*(std::int32_t vertex)>;
 
 /// Takes in rows of one more curve as traceCurves made them.
 void addPieces(const CurveTissue& tissue, std::span<const CoreSample> samples, PiecedRows& rows);

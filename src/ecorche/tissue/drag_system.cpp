@@ -19,7 +19,7 @@ namespace ecorche::tissue {
 namespace {
 
 using Tree = mesh::TreeSolver<float>;
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMajor = DragSystem::Targets;
 
 // The tube that is swept is so many edges wide around rows that curves touch
 constexpr int kRings = 2;
@@ -29,8 +29,8 @@ constexpr int kRings = 2;
 struct DragSystem::Impl {
   std::shared_ptr<const DragGround> ground;
   const mesh::TetMesh& mesh;
-  std::vector<std::int32_t> fields;
-  RawRow raw;
+  Eigen::Index fieldCount = 0;
+  Settled settled;
   double maxValue = 0.0;
   DragOptions how;
 
@@ -68,7 +68,6 @@ struct DragSystem::Impl {
   Impl(std::shared_ptr<const DragGround> g, const mesh::TetMesh& m)
       : ground(std::move(g)), mesh(m) {}
 
-  [[nodiscard]] Eigen::Index fieldCount() const { return std::ssize(fields); }
   [[nodiscard]] std::int32_t row(const CoreSample& s, int k) const {
     return ground->pattern->row[static_cast<std::size_t>(mesh.T(s.tet, k))];
   }
@@ -80,11 +79,11 @@ struct DragSystem::Impl {
     }
   }
 
-  [[nodiscard]] RowMajor missed(const PiecedRows& rows) const;
+  [[nodiscard]] RowMajor missed(const PiecedRows& rows, const Targets& targets) const;
   [[nodiscard]] std::vector<std::int32_t> touched(const PiecedRows& rows) const;
   [[nodiscard]] mesh::SparseColumns columnsOf(const PiecedRows& rows, const CurveHats& hats,
                                               double CoreSample::*worth) const;
-  void begin();
+  void begin(const Targets& targets);
   void solveAlong(Moment& moment) const;
   void workOn(std::int64_t half, const Moment& moment);
 };
@@ -94,34 +93,44 @@ DragSystem::DragSystem(DragSystem&&) noexcept = default;
 DragSystem& DragSystem::operator=(DragSystem&&) noexcept = default;
 
 DragSystem::DragSystem(std::shared_ptr<const DragGround> ground, const mesh::TetMesh& mesh,
-                       PiecedRows old, std::vector<std::int32_t> fields, RawRow raw,
-                       double maxValue, DragOptions how) {
+                       PiecedRows old, Targets targets, Settled settled, double maxValue,
+                       DragOptions how) {
   EC_REQUIRE(how.knots >= 2 && how.sweeps >= 0 && how.tolerance >= 0.0);
   impl_ = std::make_unique<Impl>(std::move(ground), mesh);
   Impl& I = *impl_;
   I.old = std::move(old);
-  I.fields = std::move(fields);
-  I.raw = std::move(raw);
+  I.fieldCount = targets.cols();
+  I.settled = std::move(settled);
   I.maxValue = maxValue;
   I.how = how;
-  I.begin();
+  I.begin(targets);
+}
+
+DragSystem::Targets DragSystem::tissueTargets(const PiecedRows& rows,
+                                              const std::vector<std::int32_t>& fields) {
+  Targets out = Targets::Zero(std::ssize(rows.samples), std::ssize(fields));
+  for (const RowPiece& piece : rows.pieces) {
+    for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i) {
+      const auto own = static_cast<std::int32_t>(
+          rows.samples[static_cast<std::size_t>(i)].tissue.value - kFat.value);
+      const auto at = std::ranges::lower_bound(fields, own);
+      if (at != fields.end() && *at == own) out(i, at - fields.begin()) = piece.target;
+    }
+  }
+  return out;
 }
 
 // ρ = d − B f, settled
-RowMajor DragSystem::Impl::missed(const PiecedRows& rows) const {
-  RowMajor out = RowMajor::Zero(std::ssize(rows.samples), fieldCount());
-  for (const RowPiece& piece : rows.pieces) {
-    for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i) {
-      const CoreSample& s = rows.samples[static_cast<std::size_t>(i)];
-      const auto own = static_cast<std::int32_t>(s.tissue.value - kFat.value);
-      std::array<const double*, 4> corner{};
-      for (int k = 0; k < 4; ++k) corner[static_cast<std::size_t>(k)] = raw(mesh.T(s.tet, k));
-      for (std::size_t c = 0; c < fields.size(); ++c) {
-        double& miss = out(i, static_cast<Eigen::Index>(c));
-        for (std::size_t k = 0; k < 4; ++k)
-          miss -= s.barycentric[static_cast<Eigen::Index>(k)] * corner[k][fields[c]];
-        if (fields[c] == own) miss += piece.target;
-      }
+RowMajor DragSystem::Impl::missed(const PiecedRows& rows, const Targets& targets) const {
+  EC_REQUIRE_EQ(targets.rows(), std::ssize(rows.samples));
+  EC_REQUIRE_EQ(targets.cols(), fieldCount);
+  RowMajor out = targets;
+  Eigen::RowVectorXd corner(fieldCount);
+  for (std::size_t i = 0; i < rows.samples.size(); ++i) {
+    const CoreSample& s = rows.samples[i];
+    for (int k = 0; k < 4; ++k) {
+      settled(mesh.T(s.tet, k), corner.data());
+      out.row(static_cast<Eigen::Index>(i)) -= s.barycentric[k] * corner;
     }
   }
   return out;
@@ -161,10 +170,10 @@ mesh::SparseColumns DragSystem::Impl::columnsOf(const PiecedRows& rows, const Cu
   return out;
 }
 
-void DragSystem::Impl::begin() {
+void DragSystem::Impl::begin(const Targets& targets) {
   const Tree& tree = ground->tree;
-  missOld = missed(old);
-  largestMissOld = Eigen::RowVectorXd::Zero(fieldCount());
+  missOld = missed(old, targets);
+  largestMissOld = Eigen::RowVectorXd::Zero(fieldCount);
   if (missOld.rows() > 0) largestMissOld = missOld.cwiseAbs().colwise().maxCoeff();
   touchedOld = touched(old);
   pathOld = tree.pathOf(touchedOld);
@@ -182,7 +191,7 @@ void DragSystem::Impl::begin() {
     for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i)
       weight[static_cast<Eigen::Index>(p)] += old.samples[static_cast<std::size_t>(i)].weight;
   }
-  for (Eigen::Index j = 0; j < fieldCount(); ++j) {
+  for (Eigen::Index j = 0; j < fieldCount; ++j) {
     for (std::size_t i = 0; i < old.samples.size(); ++i) {
       const double pull = -old.samples[i].weight * missOld(static_cast<Eigen::Index>(i), j);
       forCorners(old.samples[i],
@@ -294,11 +303,11 @@ void DragSystem::Impl::workOn(std::int64_t which, const Moment& moment) {
   half.lastStep = sweepTube(*ground, K, moment.tube, force, half.place, how.sweeps, half.x);
 }
 
-std::vector<DragSystem::Part> DragSystem::move(const PiecedRows& now) {
+std::vector<DragSystem::Part> DragSystem::move(const PiecedRows& now, const Targets& targets) {
   Impl& I = *impl_;
   Impl::Moment moment{.now = now, .act = {}, .miss = {}, .path = {}, .g = {}, .tube = {}};
-  moment.miss = I.missed(now);
-  for (Eigen::Index j = 0; j < I.fieldCount(); ++j) {
+  moment.miss = I.missed(now, targets);
+  for (Eigen::Index j = 0; j < I.fieldCount; ++j) {
     const double largest = moment.miss.rows() > 0 ? moment.miss.col(j).cwiseAbs().maxCoeff() : 0.0;
     if (std::max(I.largestMissOld[j], largest) > I.how.tolerance * I.maxValue)
       moment.act.push_back(j);
@@ -321,7 +330,7 @@ std::vector<DragSystem::Part> DragSystem::move(const PiecedRows& now) {
     for (const std::int32_t r : half.row) half.place[static_cast<std::size_t>(r)] = -1;
     Part& part = out.emplace_back();
     for (Eigen::Index c = 0; c < half.x.cols(); ++c)
-      part.fields.push_back(I.fields[static_cast<std::size_t>(moment.act[next++])]);
+      part.fields.push_back(static_cast<std::int32_t>(moment.act[next++]));
     part.row = std::move(half.row);
     part.change = std::move(half.x);
     part.lastStep = half.lastStep;

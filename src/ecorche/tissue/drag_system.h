@@ -4,6 +4,7 @@
 #include <ecorche/tissue/drag_rows.h>
 #include <ecorche/tissue/tube_sweeps.h>
 
+#include <Eigen/Core>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -31,31 +32,38 @@ struct DragOptions {
 /// docs/algorithms/interactive.md for what was measured.
 class DragSystem {
  public:
-  /// Settled values of all fields at a vertex of the mesh, as the equations gave them, fat first.
-  using RawRow = std::function<const double*(std::int32_t vertex)>;
+  /// What every row asks of every field, #samples×#fields.
+  using Targets = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  /// Writes the settled values of all fields at a vertex of the mesh, as the equations gave them.
+  using Settled = std::function<void(std::int32_t vertex, double* values)>;
 
   /// @param ground    kept
   /// @param mesh      that the ground's pattern is of; kept by reference
   /// @param old       rows that move, where they are settled
-  /// @param fields    columns that these equations are of, ascending
-  /// @param raw       must answer as long as this lives
+  /// @param targets   of those
+  /// @param settled   must answer as long as this lives
   /// @param maxValue  largest value of all tissues
   DragSystem(std::shared_ptr<const DragGround> ground, const mesh::TetMesh& mesh, PiecedRows old,
-             std::vector<std::int32_t> fields, RawRow raw, double maxValue, DragOptions how);
+             Targets targets, Settled settled, double maxValue, DragOptions how);
   ~DragSystem();
   DragSystem(DragSystem&&) noexcept;
   DragSystem& operator=(DragSystem&&) noexcept;
 
+  /// Which fields of all tissues rows ask for what: their own for the tissue value there.
+  /// @param fields  columns of TissueFields::values, fat first
+  [[nodiscard]] static Targets tissueTargets(const PiecedRows& rows,
+                                             const std::vector<std::int32_t>& fields);
+
   /// What some fields have changed by.
   struct Part {
     std::vector<std::int32_t> row;     ///< of the ground's pattern
-    std::vector<std::int32_t> fields;  ///< ascending
+    std::vector<std::int32_t> fields;  ///< which, as they were given; ascending
     TubeBlock change;                  ///< #row×#fields
     double lastStep = 0.0;             ///< of the sweeps: what is left is of its size
   };
   /// From the settled fields, not from those of the move before: nothing piles up.
   /// @return  parts of different fields
-  [[nodiscard]] std::vector<Part> move(const PiecedRows& now);
+  [[nodiscard]] std::vector<Part> move(const PiecedRows& now, const Targets& targets);
 
  private:
   struct Impl;

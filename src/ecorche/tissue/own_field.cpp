@@ -40,13 +40,14 @@ std::shared_ptr<const OwnGround> groundOf(std::shared_ptr<const FieldRegion> reg
                                           std::shared_ptr<const mesh::Cholesky> factor,
                                           std::vector<double> K,
                                           std::vector<OwnGround::Tensor> medium,
-                                          std::vector<CoreSample> own) {
+                                          OwnGround::Spread spread, std::vector<CoreSample> own) {
   auto out = std::make_shared<OwnGround>();
   out->ground = std::make_shared<const DragGround>(region->pattern, region->symbolic,
                                                    mesh::TreeSolver<float>(std::move(factor)),
                                                    std::move(K), region->neighbours);
   out->region = std::move(region);
   out->medium = std::move(medium);
+  out->spread = std::move(spread);
   out->own = std::move(own);
   return out;
 }
@@ -194,7 +195,7 @@ OwnField::Outcome OwnField::Impl::solveIn(State& state, const SharedEquations& a
   std::vector<double> ownK =
       mesh::assembleStiffness(region.mesh, pattern, mesh::edgeStiffness(region.mesh, A));
   std::vector<CoreSample> weighed = wanted.samples;
-  for (CoreSample& s : weighed) s.weight = weightIn(A, s);
+  for (CoreSample& s : weighed) s.weight = weightIn(A[static_cast<std::size_t>(s.tet)], s);
   addRows(region.mesh, pattern, weighed, 1.0, ownK);
   if (stop()) return Outcome::Stopped;
 
@@ -203,7 +204,7 @@ OwnField::Outcome OwnField::Impl::solveIn(State& state, const SharedEquations& a
   if (!factor->ok()) return Outcome::Singular;
   if (stop()) return Outcome::Stopped;
   weighed = wanted.own;
-  for (CoreSample& s : weighed) s.weight = weightIn(A, s);
+  for (CoreSample& s : weighed) s.weight = weightIn(A[static_cast<std::size_t>(s.tet)], s);
   Eigen::MatrixXd X = rightSide(
       region, weighed,
       Eigen::Map<const Eigen::VectorXd>(wanted.targets.data(), std::ssize(wanted.targets)));
@@ -214,8 +215,8 @@ OwnField::Outcome OwnField::Impl::solveIn(State& state, const SharedEquations& a
     const Eigen::Matrix3f m = A[static_cast<std::size_t>(t)].cast<float>();
     medium[static_cast<std::size_t>(t)] = {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
   });
-  state.ground =
-      groundOf(state.region, factor, std::move(ownK), std::move(medium), std::move(weighed));
+  state.ground = groundOf(state.region, factor, std::move(ownK), std::move(medium), Y.cast<float>(),
+                          std::move(weighed));
   state.sharedK = std::move(shared);
   state.entries = wanted.entries;
   state.targets = wanted.targets;
@@ -271,8 +272,8 @@ OwnField::Outcome OwnField::Impl::shrink(State& state, const TissueSolver& solve
   }
   std::vector<CoreSample> own = state.ground->own;
   for (CoreSample& s : own) s.tet = here[static_cast<std::size_t>(s.tet)];
-  next.ground =
-      groundOf(next.region, std::move(factor), std::move(K), std::move(medium), std::move(own));
+  next.ground = groundOf(next.region, std::move(factor), std::move(K), std::move(medium),
+                         state.ground->spread(region.row, Eigen::all), std::move(own));
   state = std::move(next);
   return Outcome::Done;
 }

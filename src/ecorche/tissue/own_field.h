@@ -16,10 +16,13 @@ namespace ecorche::tissue {
 struct OwnGround {
   /// xx yy zz xy xz yz of a symmetric tensor.
   using Tensor = std::array<float, 6>;
+  /// TensorEntries on the region's rows.
+  using Spread = Eigen::Matrix<float, Eigen::Dynamic, 7, Eigen::RowMajor>;
 
   std::shared_ptr<const FieldRegion> region;
   std::shared_ptr<const DragGround> ground;  ///< on the region's pattern
   std::vector<Tensor> medium;                ///< of every tet of the region
+  Spread spread;                             ///< that the medium was made of
   std::vector<CoreSample>
       own;  ///< the tissue's rows, as rowsOf tells them, weights to the last bit
 

@@ -27,26 +27,34 @@ std::vector<TensorEntries> tensorEntries(const domain::Domain& domain, const Cur
   return out;
 }
 
+SpreadTensor::SpreadTensor(const Anisotropy& anisotropy, double negligible)
+    : negligible_(negligible) {
+  const double l2 = std::log(anisotropy.lambda2);
+  const double l3 = std::log(anisotropy.lambda3);
+  lowest_ = std::min({0.0, l2, l3});
+  highest_ = std::max({0.0, l2, l3});
+}
+
+Eigen::Matrix3d SpreadTensor::operator()(const TensorEntries& spread) const {
+  const double total = spread[6];
+  if (!(total > negligible_)) return Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d S;
+  S << spread[0], spread[3], spread[4],  //
+      spread[3], spread[1], spread[5],   //
+      spread[4], spread[5], spread[2];
+  return tensorFromLog(S / total, lowest_, highest_);
+}
+
 std::vector<Eigen::Matrix3d> tetTensors(const mesh::TetMesh& mesh,
                                         const mesh::StiffnessPattern& pattern,
                                         const Eigen::Ref<const Eigen::MatrixXd>& spread,
                                         const Anisotropy& anisotropy) {
-  const double l2 = std::log(anisotropy.lambda2);
-  const double l3 = std::log(anisotropy.lambda3);
-  const double lowest = std::min({0.0, l2, l3});
-  const double highest = std::max({0.0, l2, l3});
-  const double negligible = spread.rows() > 0 ? 1e-12 * spread.col(6).maxCoeff() : 0.0;
+  const SpreadTensor tensor(anisotropy, spread.rows() > 0 ? 1e-12 * spread.col(6).maxCoeff() : 0.0);
   std::vector<Eigen::Matrix3d> atRow(pattern.vertex.size());
   parallelFor(pattern.rowCount(), [&](std::int64_t r) {
-    Eigen::Matrix3d& A = atRow[static_cast<std::size_t>(r)];
-    A.setIdentity();
-    const double total = spread(r, 6);
-    if (!(total > negligible)) return;  // behind other curves, out of reach: any tensor will do
-    Eigen::Matrix3d S;
-    S << spread(r, 0), spread(r, 3), spread(r, 4),  //
-        spread(r, 3), spread(r, 1), spread(r, 5),   //
-        spread(r, 4), spread(r, 5), spread(r, 2);
-    A = tensorFromLog(S / total, lowest, highest);
+    TensorEntries here{};
+    for (std::size_t k = 0; k < here.size(); ++k) here[k] = spread(r, static_cast<Eigen::Index>(k));
+    atRow[static_cast<std::size_t>(r)] = tensor(here);
   });
   std::vector<Eigen::Matrix3d> A(static_cast<std::size_t>(mesh.T.rows()));
   parallelFor(mesh.T.rows(), [&](std::int64_t t) {
@@ -65,8 +73,8 @@ std::vector<Eigen::Matrix3d> tetTensors(const mesh::TetMesh& mesh,
   return A;
 }
 
-double weightIn(const std::vector<Eigen::Matrix3d>& A, const CoreSample& sample) {
-  return sample.weight * crossCapacity(A[static_cast<std::size_t>(sample.tet)], sample.tangent);
+double weightIn(const Eigen::Matrix3d& A, const CoreSample& sample) {
+  return sample.weight * crossCapacity(A, sample.tangent);
 }
 
 }  // namespace ecorche::tissue

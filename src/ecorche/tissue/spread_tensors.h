@@ -19,7 +19,22 @@ using TensorEntries = std::array<double, 7>;
                                                        const CurveTissue& tissue,
                                                        const std::vector<CoreSample>& samples);
 
-/// Tensor of every tet from what has been spread: S = (Σ g S_j) / (Σ g).
+/// The tensor at a place from what has been spread there: exp S, S = (Σ g S_j) / (Σ g).
+class SpreadTensor {
+ public:
+  /// @param negligible  Σ g of less: behind other curves, out of reach; any tensor will do
+  SpreadTensor(const Anisotropy& anisotropy, double negligible);
+  /// @param spread  as TensorEntries
+  [[nodiscard]] Eigen::Matrix3d operator()(const TensorEntries& spread) const;
+
+ private:
+  double lowest_ = 0.0;
+  double highest_ = 0.0;
+  double negligible_ = 0.0;
+};
+
+/// Tensor of every tet from what has been spread: the mean of those at its corners, of which fixed
+/// ones have none.
 /// @param spread  #rows×7, as TensorEntries
 [[nodiscard]] std::vector<Eigen::Matrix3d> tetTensors(
     const mesh::TetMesh& mesh, const mesh::StiffnessPattern& pattern,
@@ -27,7 +42,7 @@ using TensorEntries = std::array<double, 7>;
 
 /// Weight of a row in such a medium: a line has √det(A across it) times the capacity; the tissue's
 /// own curve: √(λ2 λ3).
-/// @param A  per tet
-[[nodiscard]] double weightIn(const std::vector<Eigen::Matrix3d>& A, const CoreSample& sample);
+/// @param A  where the sample is
+[[nodiscard]] double weightIn(const Eigen::Matrix3d& A, const CoreSample& sample);
 
 }  // namespace ecorche::tissue

@@ -166,7 +166,9 @@ struct TissueSolver::Impl {
     const auto A = tetTensors(domain.mesh, pattern, spread, tissue.anisotropy);
     std::vector<double> K =
         mesh::assembleStiffness(domain.mesh, pattern, mesh::edgeStiffness(domain.mesh, A));
-    const auto weight = [&](const CoreSample& s) { return weightIn(A, s); };
+    const auto weight = [&](const CoreSample& s) {
+      return weightIn(A[static_cast<std::size_t>(s.tet)], s);
+    };
     addCores(cores, weight, K);
     OwnSystem out{mesh::Cholesky(*symbolic, K, 1), {}};
     if (!out.factor.ok()) return singular(out.factor, tissue.name);
