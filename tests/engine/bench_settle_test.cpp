@@ -24,6 +24,7 @@ TEST_CASE("drags that are let go of settle at solves from scratch") {
     INFO(done.name);
     CHECK(done.settle.seconds.size() + std::size_t(done.unchecked) == 4);
     CHECK(done.abandoned.seconds.size() <= done.settle.seconds.size());
+    CHECK((done.meanwhile.seconds.empty() || !done.abandoned.seconds.empty()));
     CHECK(done.fieldError.size() == done.settle.seconds.size());
     for (const double error : done.fieldError) {
       CHECK(error > 0.0);  // another way to the same

@@ -1,8 +1,12 @@
+#include <ecorche/core/give_way.h>
 #include <ecorche/engine/bench_settle.h>
 #include <ecorche/engine/drag_scene.h>
 #include <ecorche/tissue/segmentation.h>
 #include <ecorche/tissue/value_fields.h>
 
+#include <algorithm>
+#include <atomic>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -24,24 +28,43 @@ struct Hand {
   }
 };
 
-// From a cancel until a solve has ended, begun so long before [s]; nothing where it was done by
-// then
-Result<std::optional<double>> abandon(Hand& hand, const tissue::CoreSamples& cores,
-                                      const std::vector<CurveTissue>& now, double after) {
+// A drag that begins while the one before it is being settled for: what is being solved is given
+// up, and frames go on meanwhile.
+struct Resumed {
+  bool givenUp = false;  // else it was done by then
+  double end = 0.0;      // from the cancel until the solve has ended [s]
+  std::vector<double> frames;
+};
+
+// @param after  the solve has begun so long before [s]
+// @param frame  draws the next one of the drag
+Result<Resumed> resume(Hand& hand, const tissue::CoreSamples& cores,
+                       const std::vector<CurveTissue>& now, double after,
+                       const std::function<void()>& frame) {
   RunContext run;
-  double cancelled = 0.0;
   const Clock clock;
-  std::thread canceller([&] {
-    std::this_thread::sleep_for(std::chrono::duration<double>(after));
-    cancelled = clock.seconds();
-    run.cancel();
+  std::atomic<double> ended = 0.0;
+  std::optional<Error> error;
+  std::thread solve([&] {
+    const GiveWay giveWay;  // as a live session does
+    if (const auto settled = hand.settling.solve(cores, now, hand.scene.how, run); !settled)
+      error = settled.error();
+    ended = clock.seconds();
   });
-  const auto settled = hand.settling.solve(cores, now, hand.scene.how, run);
-  const double ended = clock.seconds();
-  canceller.join();
-  if (settled) return std::optional<double>();
-  if (settled.error().code != ErrorCode::Cancelled) return passOn(settled);
-  return std::optional(ended - cancelled);
+  std::this_thread::sleep_for(std::chrono::duration<double>(after));
+  Resumed out;
+  const double cancelled = clock.seconds();
+  run.cancel();
+  while (ended == 0.0) {
+    const Clock one;
+    frame();
+    out.frames.push_back(one.seconds());
+  }
+  solve.join();
+  if (error && error->code != ErrorCode::Cancelled) return tl::unexpected(*error);
+  out.givenUp = error.has_value();
+  out.end = ended - cancelled;
+  return out;
 }
 
 }  // namespace
@@ -107,15 +130,27 @@ Result<SettleBench> benchSettle(const model::Project& project, std::optional<std
                                 fresh->maxValue);
       for (std::size_t v = 0; v < owners.size(); ++v) done.ownersOff += owners[v] != ownersAgain[v];
 
-      // A new drag gives up what the last one left to do, on its way to the next place
-      now[curve.tissue].curves[static_cast<std::size_t>(curve.curve)].spline =
-          scene->splineAt(script, curve, script.frames * (2 * place + 1) / (2 * places + 2));
+      // The hand goes on to halfway to the next place, lets go and takes up the curve again
+      auto fields = tissue::ValueFields::create(scene->domain, hand.settling, std::move(*cores),
+                                                now, scene->how, run, scene->walker);
+      if (!fields) return passOn(fields);
+      int frame = script.frames * (2 * place + 1) / (2 * places + 2);
+      const auto drag = [&] {
+        const auto at = scene->splineAt(script, curve, std::min(frame++, script.frames));
+        (void)fields->moveCurves({{curve, at}});
+        return at;
+      };
+      now[curve.tissue].curves[static_cast<std::size_t>(curve.curve)].spline = drag();
       const auto onward = hand.trace(now, run);
       if (!onward) continue;
       const double share = static_cast<double>(place) / (places + 1);
-      const auto gone = abandon(hand, *onward, now, share * done.settle.quantile(0.5));
-      if (!gone) return passOn(gone);
-      if (*gone) done.abandoned.seconds.push_back(**gone);
+      const auto resumed =
+          resume(hand, *onward, now, share * done.settle.quantile(0.5), [&] { (void)drag(); });
+      if (!resumed) return passOn(resumed);
+      if (!resumed->givenUp) continue;
+      done.abandoned.seconds.push_back(resumed->end);
+      done.meanwhile.seconds.insert(done.meanwhile.seconds.end(), resumed->frames.begin(),
+                                    resumed->frames.end());
     }
     out.runs.push_back(std::move(done));
   }

@@ -10,6 +10,7 @@ struct SettleRun {
   Times settle;     ///< trace, solve for what is left, owners: ready to be dragged again
   Times again;      ///< the baseline: trace, factor (CHOLMOD), solve all, owners
   Times abandoned;  ///< from a cancel in the midst of one until it has ended
+  Times meanwhile;  ///< frames of the drag that cancelled it, until then
   std::vector<double> fieldError;  ///< settled against the baseline, over the largest value
   std::vector<double> factored;    ///< share of the factor that was made anew
   std::vector<int> passes;         ///< of refinement

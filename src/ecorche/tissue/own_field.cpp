@@ -16,7 +16,7 @@ namespace {
 
 // Shares of the field's largest value: what a region keeps, and what may reach its rim
 constexpr double kKept = 1e-11;
-constexpr double kAtRim = 2e-10;
+constexpr double kAtRim = 2e-9;
 constexpr int kRings = 2;
 // Of the domain: a region of more is no gain
 constexpr double kMostShare = 0.9;

@@ -52,7 +52,7 @@ struct SharedEquations {
 
 /// The field of one anisotropic tissue while a project is edited: its matrix is its own, but counts
 /// only where its field is more than 10⁻¹¹ of its largest value. What comes out is what
-/// TissueSolver::solve gives, to 10⁻⁹ of that.
+/// TissueSolver::solve gives, to 5·10⁻⁹ of that.
 ///
 /// The region is found by a first solve in all of the domain, and again when the field has reached
 /// its rim.
