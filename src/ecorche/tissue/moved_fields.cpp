@@ -2,6 +2,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/moved_fields.h>
 #include <ecorche/tissue/near_curves.h>
+#include <ecorche/tissue/sample_targets.h>
 #include <ecorche/tissue/segmentation.h>
 
 #include <algorithm>
@@ -131,12 +132,7 @@ MovedFields::MovedFields(const domain::Domain& domain, DragGrounds grounds,
   for (std::size_t k = 0; k < fields.uncorrected.vertex.size(); ++k)
     I.uncorrectedAt[static_cast<std::size_t>(fields.uncorrected.vertex[k])] =
         static_cast<std::int32_t>(k);
-  for (const CoreSample& s : cores.samples) {
-    const TissueCurve& curve =
-        tissues[static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value)]
-            .curves[static_cast<std::size_t>(s.curve)];
-    I.target.push_back(curve.spline.interpolate(curve.values, s.u));
-  }
+  I.target = sampleTargets(cores.samples, tissues);
   I.near.assign(vertexCount, 0);
   I.placeOfField.assign(static_cast<std::size_t>(fields.values.cols()), -1);
   for (const NearCurve& near : cores.nearCurves) {

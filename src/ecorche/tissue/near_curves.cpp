@@ -19,7 +19,10 @@ UncorrectedRows correctNearCurves(const domain::Domain& domain, const CoreSample
   for (const NearCurve& near : cores.nearCurves) before.vertex.push_back(near.vertex);
   std::ranges::sort(before.vertex);
   before.vertex.erase(std::ranges::unique(before.vertex).begin(), before.vertex.end());
-  before.values = values(before.vertex, Eigen::all);
+  before.values.resize(std::ssize(before.vertex), values.cols());
+  parallelFor(before.values.rows(), [&](std::int64_t i) {
+    before.values.row(i) = values.row(before.vertex[static_cast<std::size_t>(i)]);
+  });
 
   // Flux per length of every sample in every field, before anything is changed
   FieldMatrix q(static_cast<Eigen::Index>(cores.samples.size()), values.cols());
@@ -32,14 +35,21 @@ UncorrectedRows correctNearCurves(const domain::Domain& domain, const CoreSample
     flux[sample.tissue.value - kFat.value] += targets[static_cast<std::size_t>(s)];
     flux *= sample.weight / sample.length;
   });
-  for (const NearCurve& near : cores.nearCurves) {
-    const auto s = static_cast<std::size_t>(near.sample);
-    const Eigen::Index own = cores.samples[s].tissue.value - kFat.value;
-    auto f = values.row(near.vertex);
-    for (Eigen::Index j = 0; j < values.cols(); ++j) {
-      f[j] = correctedNearCurve(f[j], near.error * q(near.sample, j), j == own, targets[s]);
-    }
-  }
+  // A vertex may be near several curves, in their order: threads share the fields
+  constexpr Eigen::Index kFields = 32;
+  parallelFor((values.cols() + kFields - 1) / kFields,
+              [&](std::int64_t block) {
+                const Eigen::Index end = std::min((block + 1) * kFields, values.cols());
+                for (const NearCurve& near : cores.nearCurves) {
+                  const auto s = static_cast<std::size_t>(near.sample);
+                  const Eigen::Index own = cores.samples[s].tissue.value - kFat.value;
+                  auto f = values.row(near.vertex);
+                  for (Eigen::Index j = block * kFields; j < end; ++j)
+                    f[j] = correctedNearCurve(f[j], near.error * q(near.sample, j), j == own,
+                                              targets[s]);
+                }
+              },
+              1);
   return before;
 }
 

@@ -5,8 +5,10 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -26,6 +28,9 @@ constexpr double kNothing = 3e-10;
 // hold on to each other feel a residual far more than their diagonals say
 constexpr double kRounding = 3e-14;
 constexpr int kMostPasses = 10;
+// Columns that the first pass changes by less than corrections that are followed are not looked at
+// again, where they are so many that it pays
+constexpr double kMostColumns = 0.75;
 // A pass that leaves more than this of the one before meets rows that 32 bits cannot tell apart;
 // they are those that changed by more than kStubborn of the most, and two rings around them
 constexpr double kSlow = 0.01;
@@ -195,6 +200,7 @@ class Stubborn {
 // What one pass changed.
 struct Step {
   double largest = 0.0;           // over the scale
+  Eigen::RowVectorXd ofColumn;    // the same, of each
   std::vector<std::int32_t> row;  // twice, where both halves of the columns changed
   std::vector<double> change;     // largest of each row, over the scale
 };
@@ -217,23 +223,59 @@ Step correct(const Tree& tree, const Tree::Path& path, const Tree::Block& Z, dou
         const Eigen::RowVectorXd over = scale.segment(begin, count).cwiseInverse().transpose();
         Step& own = half[k];
         own.row = answer.row;
+        own.ofColumn = Eigen::RowVectorXd::Zero(count);
         Eigen::RowVectorXd change(count);
         for (std::size_t a = 0; a < answer.row.size(); ++a) {
           change = answer.value.row(static_cast<Eigen::Index>(a)).cast<double>();
           X.row(answer.row[a]).segment(begin, count) += change;
-          own.change.push_back(change.cwiseAbs().cwiseProduct(over).maxCoeff());
+          change = change.cwiseAbs().cwiseProduct(over);
+          own.ofColumn = own.ofColumn.cwiseMax(change);
+          own.change.push_back(change.maxCoeff());
           own.largest = std::max(own.largest, own.change.back());
         }
       },
       1);
   Step out = std::move(half[0]);
   out.largest = std::max(out.largest, half[1].largest);
+  out.ofColumn.conservativeResize(X.cols());
+  if (middle < X.cols()) out.ofColumn.tail(X.cols() - middle) = half[1].ofColumn;
   out.row.insert(out.row.end(), half[1].row.begin(), half[1].row.end());
   out.change.insert(out.change.end(), half[1].change.begin(), half[1].change.end());
   return out;
 }
 
+// Some columns of a problem, put together: a pass over all rows costs what they cost.
+struct Columns {
+  std::vector<Eigen::Index> which;  // ascending
+  SparseSides b;
+  Eigen::VectorXd scale;
+  FieldMatrix X;
+
+  Columns(std::vector<Eigen::Index> some, const SparseSides& all,
+          const Eigen::Ref<const Eigen::VectorXd>& scales, const FieldMatrix& values)
+      : which(std::move(some)), b(all.some(which)), scale(scales(which)) {
+    X.resize(values.rows(), std::ssize(which));
+    parallelFor(values.rows(), [&](std::int64_t r) {
+      for (std::size_t c = 0; c < which.size(); ++c)
+        X(r, static_cast<Eigen::Index>(c)) = values(r, which[c]);
+    });
+  }
+  void writeTo(FieldMatrix& values) const {
+    parallelFor(values.rows(), [&](std::int64_t r) {
+      for (std::size_t c = 0; c < which.size(); ++c)
+        values(r, which[c]) = X(r, static_cast<Eigen::Index>(c));
+    });
+  }
+};
+
 }  // namespace
+
+SparseSides SparseSides::some(const std::vector<Eigen::Index>& columns) const {
+  SparseSides out;
+  out.place = place;
+  out.value = value(Eigen::all, columns);
+  return out;
+}
 
 SparseSides::SparseSides(std::int32_t rowCount, std::vector<std::int32_t> rows,
                          Eigen::Index columns)
@@ -243,7 +285,8 @@ SparseSides::SparseSides(std::int32_t rowCount, std::vector<std::int32_t> rows,
   rows.erase(same.begin(), same.end());
   for (std::size_t i = 0; i < rows.size(); ++i)
     place[static_cast<std::size_t>(rows[i])] = static_cast<std::int32_t>(i);
-  value = FieldMatrix::Zero(std::ssize(rows), columns);
+  value.resize(std::ssize(rows), columns);
+  parallelFor(value.rows(), [&](std::int64_t r) { value.row(r).setZero(); });
 }
 
 SparseSides sidesOf(const mesh::TetMesh& mesh, const mesh::StiffnessPattern& pattern,
@@ -284,18 +327,22 @@ std::vector<std::int32_t> rowsThatDiffer(const mesh::StiffnessPattern& pattern,
   EC_REQUIRE_EQ(before.size(), after.size());
   EC_REQUIRE_EQ(sidesBefore.value.cols(), sidesAfter.value.cols());
   std::vector<std::uint8_t> is(static_cast<std::size_t>(pattern.rowCount()), 0);
-  for (std::size_t r = 0; r < is.size(); ++r) {
+  const auto differs = [&](std::size_t r) {
+    std::atomic_ref(is[r]).store(1, std::memory_order_relaxed);
+  };
+  parallelFor(pattern.rowCount(), [&](std::int64_t row) {
+    const auto r = static_cast<std::size_t>(row);
     for (auto e = static_cast<std::size_t>(pattern.first[r]);
          e < static_cast<std::size_t>(pattern.first[r + 1]) && !before.empty(); ++e) {
       if (before[e] == after[e]) continue;
-      is[r] = 1;
-      is[static_cast<std::size_t>(pattern.index[e])] = 1;
+      differs(r);
+      differs(static_cast<std::size_t>(pattern.index[e]));
     }
     const std::int32_t then = sidesBefore.place[r];
     const std::int32_t now = sidesAfter.place[r];
-    if (then < 0 && now < 0) continue;
-    if (then < 0 || now < 0 || sidesBefore.value.row(then) != sidesAfter.value.row(now)) is[r] = 1;
-  }
+    if (then < 0 && now < 0) return;
+    if (then < 0 || now < 0 || sidesBefore.value.row(then) != sidesAfter.value.row(now)) differs(r);
+  });
   std::vector<std::int32_t> out;
   for (std::size_t r = 0; r < is.size(); ++r) {
     if (is[r] != 0) out.push_back(static_cast<std::int32_t>(r));
@@ -305,7 +352,8 @@ std::vector<std::int32_t> rowsThatDiffer(const mesh::StiffnessPattern& pattern,
 
 Refined refinedSolve(const DragGround& ground, const SparseSides& b,
                      const Eigen::Ref<const Eigen::VectorXd>& scale, FieldMatrix& X,
-                     const std::function<bool()>& stop, std::span<const std::int32_t> changed) {
+                     const std::function<bool()>& stop, std::span<const std::int32_t> changed,
+                     bool allColumns) {
   EC_REQUIRE(std::ssize(b.place) == X.rows() && b.value.cols() == X.cols() &&
              scale.size() == X.cols());
   Refined out;
@@ -326,6 +374,8 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
   const double usual = X.rows() > 0 ? usualDiagonal(ground) : 0.0;
   std::vector<std::int32_t> near;
   const double tolerance = X.cols() > 0 ? kNothing * scale.minCoeff() : 0.0;
+  std::optional<Columns> few;
+  const auto solveStubborn = [&] { few ? stubborn.solve(few->b, few->X) : stubborn.solve(b, X); };
   while (out.passes < kMostPasses) {
     if (stop && stop()) return out;
     const bool some = out.passes == 0 && !changed.empty();
@@ -333,7 +383,9 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
     if (some) where = changed;
     // From the third pass on all rows have been looked at
     if (out.passes > 1) where = near;
-    const mesh::SparseColumns left = residual(ground, b, scale, X, where, usual);
+    const mesh::SparseColumns left =
+        few ? residual(ground, few->b, few->scale, few->X, where, usual)
+            : residual(ground, b, scale, X, where, usual);
     if (left.row.empty() && !some) {
       out.done = true;
       break;
@@ -342,14 +394,15 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
     const Tree::Path path = tree.pathOf(left.row);
     const Tree::Block Z = tree.forward(path, left);
     if (stop && stop()) return out;
-    const Step step = correct(tree, path, Z, tolerance, scale, workspace, X);
+    const Step step = few ? correct(tree, path, Z, tolerance, few->scale, workspace, few->X)
+                          : correct(tree, path, Z, tolerance, scale, workspace, X);
     ++out.passes;
     out.lastStep = step.largest;
     visited += static_cast<double>(step.row.size()) / 2.0 / static_cast<double>(X.rows());
     // The next pass would change this times as much, and slow ones are dealt with
     const double next = out.lastStep * std::max(kSlow, out.lastStep / before);
     if (changed.empty() ? out.lastStep < kLearned : out.passes > 1 && next < kDone) {
-      stubborn.solve(b, X);
+      solveStubborn();
       out.done = true;
       break;
     }
@@ -365,11 +418,24 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
       std::ranges::set_union(out.stubborn, more, std::back_inserter(all));
       out.stubborn = std::move(all);
     }
-    stubborn.solve(b, X);
+    solveStubborn();
     before = out.lastStep;
+    if (some && !allColumns) {
+      std::vector<Eigen::Index> moved;
+      for (Eigen::Index c = 0; c < X.cols(); ++c) {
+        if (step.ofColumn[c] > kNothing) moved.push_back(c);
+      }
+      if (!moved.empty() &&
+          static_cast<double>(moved.size()) < kMostColumns * static_cast<double>(X.cols()))
+        few.emplace(std::move(moved), b, scale, X);
+    }
     std::vector<std::int32_t> touched = stubborn.rows();
     touched.insert(touched.end(), step.row.begin(), step.row.end());
     near = withNeighbours(ground, touched);
+  }
+  if (few) {
+    few->writeTo(X);
+    out.leftOut = X.cols() - std::ssize(few->which);
   }
   // As close as corrections go that are followed at all
   if (!out.done && out.passes == kMostPasses) out.done = out.lastStep < kDone;

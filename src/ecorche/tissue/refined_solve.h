@@ -14,6 +14,10 @@ struct SparseSides {
 
   /// @param rows  of K, where something will be
   SparseSides(std::int32_t rowCount, std::vector<std::int32_t> rows, Eigen::Index columns);
+  [[nodiscard]] SparseSides some(const std::vector<Eigen::Index>& columns) const;
+
+ private:
+  SparseSides() = default;
 };
 
 /// Bᵀ W of some rows.
@@ -37,6 +41,7 @@ struct Refined {
   int passes = 0;                      ///< solves with the factor
   double lastStep = 0.0;               ///< of the last pass, over the column's scale
   double visitedShare = 0;             ///< of the rows, by the mean pass
+  Eigen::Index leftOut = 0;            ///< columns that passes after the first did not look at
   std::vector<std::int32_t> stubborn;  ///< rows that took 64 bits: ground.stubborn and more
 };
 
@@ -50,10 +55,13 @@ struct Refined {
 /// @param X      #rows×k, where to begin; solved in place
 /// @param scale  #k, largest value that a column may take; > 0
 /// @param stop   asked between passes
-/// @param changed  where X solves another system but for these rows: the first pass begins there
+/// @param changed  where X solves another system but for these rows: the first pass begins there.
+///                 Columns that it does not change by 3·10⁻¹⁰ of their scale are left out then
+/// @param allColumns  none is: what is left of each change that is left out adds up
 [[nodiscard]] Refined refinedSolve(const DragGround& ground, const SparseSides& b,
                                    const Eigen::Ref<const Eigen::VectorXd>& scale, FieldMatrix& X,
                                    const std::function<bool()>& stop = {},
-                                   std::span<const std::int32_t> changed = {});
+                                   std::span<const std::int32_t> changed = {},
+                                   bool allColumns = false);
 
 }  // namespace ecorche::tissue

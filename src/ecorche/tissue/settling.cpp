@@ -2,6 +2,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/own_field.h>
 #include <ecorche/tissue/refined_solve.h>
+#include <ecorche/tissue/sample_targets.h>
 #include <ecorche/tissue/settling.h>
 
 #include <algorithm>
@@ -16,6 +17,9 @@ namespace {
 
 // Of a whole factor's work: above it, a whole one is made, which later ones share panels with.
 constexpr double kMostShare = 0.8;
+// Columns that an edit hardly changes are not looked at, so many times: what is left of each is
+// less than 3e-10
+constexpr int kMostLeftOut = 8;
 constexpr std::int64_t kGrain = 8192;
 
 // Names of tissues in the order of their columns, after fat
@@ -42,6 +46,7 @@ struct Settling::Impl {
   std::vector<double> K;
   FieldMatrix spare;                    // of X's size
   std::vector<std::string> column;      // names of isotropic tissues
+  int leftOut = 0;                      // solves since all columns have been looked at
   std::map<std::string, OwnField> own;  // of anisotropic ones
 
   void start(const std::vector<std::string>& wanted, FieldMatrix& out) const;
@@ -65,6 +70,7 @@ Settling::Settling(std::shared_ptr<const TissueSolver> solver)
                                         .K = {},
                                         .spare = {},
                                         .column = {},
+                                        .leftOut = 0,
                                         .own = {}})) {}
 Settling::Settling(Settling&&) noexcept = default;
 Settling& Settling::operator=(Settling&&) noexcept = default;
@@ -112,15 +118,15 @@ SparseSides Settling::Impl::rightSides(const CoreSamples& cores,
   for (const CurveTissue& tissue : tissues)
     columnOf.push_back(tissue.anisotropy.isIsotropic() ? count++ : -1);
   SparseSides out(pattern.rowCount(), std::move(all), count);
-  for (const CoreSample& s : cores.samples) {
+  const std::vector<double> targets = sampleTargets(cores.samples, tissues);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const CoreSample& s = cores.samples[i];
     const auto tissue = static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
-    const TissueCurve& curve = tissues[tissue].curves[static_cast<std::size_t>(s.curve)];
-    const double target = curve.spline.interpolate(curve.values, s.u);
     for (int k = 0; k < 4; ++k) {
       if (rowOf(s, k) < 0) continue;
       auto b = out.value.row(out.place[static_cast<std::size_t>(rowOf(s, k))]);
       b[0] += s.weight * s.barycentric[k];
-      if (columnOf[tissue] >= 0) b[columnOf[tissue]] += s.weight * target * s.barycentric[k];
+      if (columnOf[tissue] >= 0) b[columnOf[tissue]] += s.weight * targets[i] * s.barycentric[k];
     }
   }
   return out;
@@ -230,7 +236,8 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
   std::vector<std::int32_t> edited;
   if (I.b && column == I.column)
     edited = rowsThatDiffer(I.solver->pattern(), I.K, *I.b, out.ground->K, b);
-  const Refined refined = refinedSolve(*out.ground, b, scale, X, stop, edited);
+  const Refined refined =
+      refinedSolve(*out.ground, b, scale, X, stop, edited, I.leftOut == kMostLeftOut);
   if (run.cancelled()) return cancelled();
   if (!refined.done) return I.asWhole(cores, tissues, options, run);
   out.passes = refined.passes;
@@ -259,6 +266,7 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
     I.whole = std::move(factor);
     I.wholeK = out.ground->K;
   }
+  I.leftOut = refined.leftOut > 0 ? I.leftOut + 1 : 0;
   std::swap(I.X, I.spare);
   I.b = std::move(b);
   I.K = out.ground->K;

@@ -3,6 +3,7 @@
 #include <ecorche/mesh/cholesky.h>
 #include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/near_curves.h>
+#include <ecorche/tissue/sample_targets.h>
 #include <ecorche/tissue/spread_tensors.h>
 #include <ecorche/tissue/tissue_solver.h>
 
@@ -66,12 +67,6 @@ Components findComponents(const mesh::TetMesh& mesh, const mesh::StiffnessPatter
 
 std::size_t tissueOf(const CoreSample& s) {
   return static_cast<std::size_t>(s.tissue.value - kFirstMuscle.value);
-}
-
-// D where a row reads
-double targetAt(const std::vector<CurveTissue>& tissues, const CoreSample& s) {
-  const TissueCurve& curve = tissues[tissueOf(s)].curves[static_cast<std::size_t>(s.curve)];
-  return curve.spline.interpolate(curve.values, s.u);
 }
 
 }  // namespace
@@ -206,10 +201,12 @@ struct TissueSolver::Impl {
       largest[i] = tissues[i].largestValue();
       out.maxValue = std::max(out.maxValue, largest[i]);
     }
-    out.values = FieldMatrix::Zero(domain.mesh.V.rows(), std::ssize(tissues) + 1);
-    for (std::size_t v = 0; v < domain.onSkin.size(); ++v) {
-      if (domain.onSkin[v] != 0) out.values(static_cast<Eigen::Index>(v), 0) = options.fat;
-    }
+    // 280 MB for the whole dog: the system hands out memory as it is written, by all threads
+    out.values.resize(domain.mesh.V.rows(), std::ssize(tissues) + 1);
+    parallelFor(out.values.rows(), [&](std::int64_t v) {
+      out.values.row(v).setZero();
+      if (domain.onSkin[static_cast<std::size_t>(v)] != 0) out.values(v, 0) = options.fat;
+    });
     return begun;
   }
 
@@ -221,7 +218,7 @@ struct TissueSolver::Impl {
 
     // How far poor tets break the maximum principle
     const Eigen::Index k = out.values.cols();
-    constexpr std::int64_t kRows = 4096;
+    constexpr std::int64_t kRows = 256;  // stay at hand while they are looked at twice
     const std::int64_t chunks = (out.values.rows() + kRows - 1) / kRows;
     Eigen::MatrixXd lowest = Eigen::MatrixXd::Zero(k, chunks);
     Eigen::MatrixXd highest = Eigen::MatrixXd::Zero(k, chunks);
@@ -406,10 +403,9 @@ Result<TissueFields> TissueSolver::solve(const Factor& factor, const CoreSamples
     if (!isotropic) anisotropic.push_back(i);
   }
   Eigen::MatrixXd X = Eigen::MatrixXd::Zero(n, columnCount);
-  std::vector<double> target(cores.samples.size());
+  const std::vector<double> target = sampleTargets(cores.samples, tissues);
   for (std::size_t s = 0; s < cores.samples.size(); ++s) {
     const CoreSample& sample = cores.samples[s];
-    target[s] = targetAt(tissues, sample);
     I.addTarget(sample, sample.weight, X.col(0));
     if (tissues[tissueOf(sample)].anisotropy.isIsotropic()) {
       I.addTarget(sample, sample.weight * target[s], X.col(column[tissueOf(sample)]));
@@ -479,8 +475,13 @@ Result<TissueFields> TissueSolver::fieldsOf(const FieldMatrix& X,
   }
   parallelFor(I.pattern.rowCount(), [&](std::int64_t r) {
     auto f = values.row(I.pattern.vertex[static_cast<std::size_t>(r)]);
+    if (own.empty()) {
+      f = X.row(r);
+    } else {
+      for (std::size_t c = 1; c < field.size(); ++c)
+        f[field[c]] = X(r, static_cast<Eigen::Index>(c));
+    }
     f[0] = options.fat * (1.0 - X(r, 0));
-    for (std::size_t c = 1; c < field.size(); ++c) f[field[c]] = X(r, static_cast<Eigen::Index>(c));
   });
   for (const OwnSolution& solution : own) {
     for (std::size_t i = 0; i < solution.row.size(); ++i) {
@@ -489,9 +490,7 @@ Result<TissueFields> TissueSolver::fieldsOf(const FieldMatrix& X,
           solution.values[static_cast<Eigen::Index>(i)];
     }
   }
-  std::vector<double> target;
-  for (const CoreSample& s : cores.samples) target.push_back(targetAt(tissues, s));
-  return I.finish(std::move(begun), cores, target);
+  return I.finish(std::move(begun), cores, sampleTargets(cores.samples, tissues));
 }
 
 Result<TissueFields> solveTissueFields(const Domain& domain, const CoreSamples& cores,

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <ecorche/tissue/tissue_fields.h>
+
+#include <vector>
+
+namespace ecorche::tissue {
+
+/// What each sample's row asks its own tissue for: the tissue value there.
+[[nodiscard]] std::vector<double> sampleTargets(const std::vector<CoreSample>& samples,
+                                                const std::vector<CurveTissue>& tissues);
+
+}  // namespace ecorche::tissue
