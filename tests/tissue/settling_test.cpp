@@ -254,6 +254,38 @@ TEST_CASE("an anisotropic field is solved for where it is something") {
   CHECK(away[0].ground->region != first[0].ground->region);
 }
 
+TEST_CASE("fields that edits hardly change are left alone, and stay right for all that") {
+  const auto domain =
+      std::make_shared<const domain::Domain>(test::cylinderDomain(0.5, 12.0, 6, 48));
+  RunContext run;
+  const auto solver =
+      std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
+  std::vector<CurveTissue> list;
+  for (int i = 0; i < 6; ++i)
+    list.push_back(muscle("muscle " + std::to_string(i),
+                          {{0.1, 0.1, 2.0 * i + 0.3}, {-0.1, 0.1, 2.0 * i + 1.7}}));
+  const TissueOptions options;
+  Settling settling(solver);
+  int leftOut = 0;
+  int inARow = 0;
+  int mostInARow = 0;
+  for (int edit = 0; edit < 30; ++edit) {
+    INFO("edit " << edit);
+    list[0].curves[0].spline =
+        mesh::Spline({{0.1, 0.1, 0.3}, {-0.1 + 0.005 * (edit % 7), 0.1, 1.7}});
+    const CoreSamples cores = traceCurves(*domain, list, options, run).value();
+    const auto settled = settling.solve(cores, list, options, run);
+    REQUIRE(settled);
+    const TissueFields fresh = solver->solve(cores, list, options, run).value();
+    CHECK((settled->fields.values - fresh.values).cwiseAbs().maxCoeff() < 1e-8 * fresh.maxValue);
+    if (settled->leftOut > 0) ++leftOut;
+    inARow = settled->leftOut > 0 ? inARow + 1 : 0;
+    mostInARow = std::max(mostInARow, inARow);
+  }
+  CHECK(leftOut >= 20);
+  CHECK(mostInARow == 8);
+}
+
 TEST_CASE("an anisotropic curve may end in a tet that has nothing but skin around it") {
   // A pleat of the skin that reaches one vertex further in
   domain::Domain pleated = test::cylinderDomain(1.0, 2.0, 9, 9);

@@ -181,7 +181,7 @@ Result<Settling::Settled> Settling::Impl::asWhole(const CoreSamples& cores,
   run.progress("tissue fields", 0.5);
   auto fields = solver->solve(*factor, cores, tissues, options, run);
   if (!fields) return passOn(fields);
-  return Settled{std::move(*fields), std::move(*factor), nullptr, {}, {}, 0, 1.0};
+  return Settled{std::move(*fields), std::move(*factor), nullptr, {}, {}, 0, 0, 1.0};
 }
 
 Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
@@ -241,6 +241,7 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
   if (run.cancelled()) return cancelled();
   if (!refined.done) return I.asWhole(cores, tissues, options, run);
   out.passes = refined.passes;
+  out.leftOut = refined.leftOut;
   out.ground->stubborn = refined.stubborn;
   run.progress("tissue fields", 0.7);
   if (const auto how = I.solveOwn(out.ground->K, cores, tissues, stop);

@@ -30,9 +30,10 @@ class Settling {
     TissueSolver::Factor factor;         ///< where it was solved as a whole; else null
     std::shared_ptr<DragGround> ground;  ///< else this, which drags stand on
     std::vector<OwnEquations> own;       ///< and these, one per anisotropic tissue
-    Eigen::MatrixXd fat;    ///< as TissueSolver::solveFat gives it, where there is ground
-    int passes = 0;         ///< of refinement
-    double factored = 0.0;  ///< share of the factor that was made anew
+    Eigen::MatrixXd fat;       ///< as TissueSolver::solveFat gives it, where there is ground
+    int passes = 0;            ///< of refinement
+    Eigen::Index leftOut = 0;  ///< fields so little changed that most rows were not looked at
+    double factored = 0.0;     ///< share of the factor that was made anew
   };
   /// @errors  those of TissueSolver::solve; what was there stays
   [[nodiscard]] Result<Settled> solve(const CoreSamples& cores,
