@@ -51,6 +51,14 @@ struct Scene {
                                options, run, walker)
         .value();
   }
+  // With the equations of anisotropic fields, so that they follow
+  ValueFields settledToFollow() {
+    Settling settling(solver);
+    return ValueFields::create(domain, settling,
+                               traceCurves(*walker, *domain, list, options, run).value(), list,
+                               options, run, walker)
+        .value();
+  }
   TissueFields anew(const std::vector<CurveTissue>& moved) {
     return solver
         ->solve(traceCurves(*walker, *domain, moved, options, run).value(), moved, options, run)
@@ -60,6 +68,13 @@ struct Scene {
 
 double off(const ValueFields& dragged, const TissueFields& fresh) {
   return (dragged.fields().values - fresh.values).cwiseAbs().maxCoeff() / fresh.maxValue;
+}
+
+std::int64_t wrongOwners(const ValueFields& dragged, const TissueFields& fresh) {
+  const auto right = vertexOwners(fresh);
+  std::int64_t wrong = 0;
+  for (std::size_t v = 0; v < right.size(); ++v) wrong += right[v] != dragged.owners()[v];
+  return wrong;
 }
 
 mesh::Spline shifted(const mesh::Spline& spline, std::size_t point, const Vector3& by) {
@@ -108,10 +123,7 @@ TEST_CASE("fields under the hand are those of a solve from scratch, to two perce
     // The change is seen at all: most of it would be too much
     CHECK((fresh.values - before).cwiseAbs().maxCoeff() > 0.05 * fresh.maxValue);
     CHECK(off(dragged, fresh) < 0.02);
-    const auto right = vertexOwners(fresh);
-    std::size_t wrong = 0;
-    for (std::size_t v = 0; v < right.size(); ++v) wrong += right[v] != dragged.owners()[v];
-    CHECK(wrong <= 1 + right.size() / 200);
+    CHECK(wrongOwners(dragged, fresh) <= 1 + fresh.values.rows() / 200);
     CHECK(changed.error < 0.02);
   }
   // Nothing piles up: at the start everything is as it was but for the same error
@@ -189,12 +201,7 @@ TEST_CASE("a curve may go anywhere") {
 TEST_CASE("anisotropic fields follow what moves beside them, by their own equations") {
   Scene scene;
   scene.list[3].anisotropy = {1.0, 0.4, 0.3};
-  Settling settling(scene.solver);
-  const CoreSamples cores =
-      traceCurves(*scene.walker, *scene.domain, scene.list, scene.options, scene.run).value();
-  ValueFields dragged = ValueFields::create(scene.domain, settling, cores, scene.list,
-                                            scene.options, scene.run, scene.walker)
-                            .value();
+  ValueFields dragged = scene.settledToFollow();
   const FieldMatrix before = dragged.fields().values;
   auto moved = scene.list;
   moved[0].curves[0].spline = shifted(moved[0].curves[0].spline, 1, Vector3(-0.2, -0.3, 0.0));
@@ -211,12 +218,7 @@ TEST_CASE("an anisotropic field follows its own curve, and its medium with it") 
   Scene scene(18);
   scene.list[0].anisotropy = medium;
   scene.list[2].anisotropy = {0.5, 2.0, 0.2};
-  Settling settling(scene.solver);
-  const CoreSamples cores =
-      traceCurves(*scene.walker, *scene.domain, scene.list, scene.options, scene.run).value();
-  ValueFields dragged = ValueFields::create(scene.domain, settling, cores, scene.list,
-                                            scene.options, scene.run, scene.walker)
-                            .value();
+  ValueFields dragged = scene.settledToFollow();
   const FieldMatrix before = dragged.fields().values;
   auto moved = scene.list;
   for (int frame = 1; frame <= 6; ++frame) {
@@ -228,10 +230,7 @@ TEST_CASE("an anisotropic field follows its own curve, and its medium with it") 
     INFO("frame " << frame);
     CHECK((before.col(1) - fresh.values.col(1)).cwiseAbs().maxCoeff() > 0.05 * fresh.maxValue);
     CHECK(off(dragged, fresh) < 0.02);
-    const auto right = vertexOwners(fresh);
-    std::size_t wrong = 0;
-    for (std::size_t v = 0; v < right.size(); ++v) wrong += right[v] != dragged.owners()[v];
-    CHECK(wrong <= 1 + right.size() / 200);
+    CHECK(wrongOwners(dragged, fresh) <= 1 + fresh.values.rows() / 200);
   }
   // Nothing piles up
   (void)dragged.moveCurves({{{0, 1}, scene.list[0].curves[1].spline}});

@@ -124,6 +124,31 @@ void checkOwners(const TissueFields& a, const TissueFields& b) {
   }
 }
 
+// With curves all along it: none is felt at the other end
+struct LongLimb {
+  domain::Domain domain = test::cylinderDomain(0.5, 12.0, 6, 48);
+  RunContext run;
+  std::shared_ptr<const TissueSolver> solver =
+      std::make_shared<const TissueSolver>(std::move(TissueSolver::create(domain, run).value()));
+  std::vector<CurveTissue> list;
+  Settling settling{solver};
+
+  LongLimb() {
+    for (int i = 0; i < 6; ++i)
+      list.push_back(muscle("muscle " + std::to_string(i),
+                            {{0.1, 0.1, 2.0 * i + 0.3}, {-0.1, 0.1, 2.0 * i + 1.7}}));
+  }
+  // Looks whether it is what a solve from scratch gives
+  Settling::Settled settle() {
+    const TissueOptions options;
+    const CoreSamples cores = traceCurves(domain, list, options, run).value();
+    auto settled = settling.solve(cores, list, options, run).value();
+    const TissueFields fresh = solver->solve(cores, list, options, run).value();
+    CHECK((settled.fields.values - fresh.values).cwiseAbs().maxCoeff() < 1e-8 * fresh.maxValue);
+    return settled;
+  }
+};
+
 }  // namespace
 
 TEST_CASE("any hundred edits end in the fields of a solve from scratch") {
@@ -212,74 +237,42 @@ TEST_CASE("anisotropic tissues come and go, and nothing else is forgotten") {
 }
 
 TEST_CASE("an anisotropic field is solved for where it is something") {
-  // A long limb with curves all along it: none is felt at the other end
-  const auto domain =
-      std::make_shared<const domain::Domain>(test::cylinderDomain(0.5, 12.0, 6, 48));
-  RunContext run;
-  const auto solver =
-      std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
-  std::vector<CurveTissue> list;
-  for (int i = 0; i < 6; ++i)
-    list.push_back(muscle("muscle " + std::to_string(i),
-                          {{0.1, 0.1, 2.0 * i + 0.3}, {-0.1, 0.1, 2.0 * i + 1.7}}));
+  LongLimb limb;
+  std::vector<CurveTissue>& list = limb.list;
   list[0].anisotropy = {0.3, 2.0, 0.5};
   list[3].anisotropy = {4.0, 0.5, 0.0};
-  const TissueOptions options;
-  Settling settling(solver);
-  const auto check = [&] {
-    const CoreSamples cores = traceCurves(*domain, list, options, run).value();
-    const auto settled = settling.solve(cores, list, options, run);
-    REQUIRE(settled);
-    const TissueFields fresh = solver->solve(cores, list, options, run).value();
-    CHECK((settled->fields.values - fresh.values).cwiseAbs().maxCoeff() < 1e-8 * fresh.maxValue);
-    return settled->own;
-  };
-  const auto first = check();
+  const auto first = limb.settle().own;
   REQUIRE(first.size() == 2);
   for (const OwnEquations& own : first) {
     CHECK_FALSE(own.ground->region->isWhole());
-    CHECK(own.ground->ground->pattern->rowCount() < 0.8 * solver->pattern().rowCount());
+    CHECK(own.ground->ground->pattern->rowCount() < 0.8 * limb.solver->pattern().rowCount());
   }
   // A far curve is none of its business, a near one is
   list[5].curves[0].spline = mesh::Spline({{0.2, 0.0, 10.4}, {-0.1, 0.1, 11.6}});
-  const auto far = check();
+  const auto far = limb.settle().own;
   CHECK(far[0].ground == first[0].ground);
   list[1].curves[0].spline = mesh::Spline({{0.2, 0.0, 2.4}, {-0.1, 0.1, 3.6}});
-  const auto near = check();
+  const auto near = limb.settle().own;
   CHECK(near[0].ground != first[0].ground);
   CHECK(near[0].ground->region == first[0].ground->region);
   // Out of its region, it is given another
   list[0].curves[0].spline = mesh::Spline({{0.1, 0.1, 8.3}, {-0.1, 0.1, 9.5}});
-  const auto away = check();
+  const auto away = limb.settle().own;
   CHECK(away[0].ground->region != first[0].ground->region);
 }
 
 TEST_CASE("fields that edits hardly change are left alone, and stay right for all that") {
-  const auto domain =
-      std::make_shared<const domain::Domain>(test::cylinderDomain(0.5, 12.0, 6, 48));
-  RunContext run;
-  const auto solver =
-      std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
-  std::vector<CurveTissue> list;
-  for (int i = 0; i < 6; ++i)
-    list.push_back(muscle("muscle " + std::to_string(i),
-                          {{0.1, 0.1, 2.0 * i + 0.3}, {-0.1, 0.1, 2.0 * i + 1.7}}));
-  const TissueOptions options;
-  Settling settling(solver);
+  LongLimb limb;
   int leftOut = 0;
   int inARow = 0;
   int mostInARow = 0;
   for (int edit = 0; edit < 30; ++edit) {
     INFO("edit " << edit);
-    list[0].curves[0].spline =
+    limb.list[0].curves[0].spline =
         mesh::Spline({{0.1, 0.1, 0.3}, {-0.1 + 0.005 * (edit % 7), 0.1, 1.7}});
-    const CoreSamples cores = traceCurves(*domain, list, options, run).value();
-    const auto settled = settling.solve(cores, list, options, run);
-    REQUIRE(settled);
-    const TissueFields fresh = solver->solve(cores, list, options, run).value();
-    CHECK((settled->fields.values - fresh.values).cwiseAbs().maxCoeff() < 1e-8 * fresh.maxValue);
-    if (settled->leftOut > 0) ++leftOut;
-    inARow = settled->leftOut > 0 ? inARow + 1 : 0;
+    const bool some = limb.settle().leftOut > 0;
+    leftOut += some ? 1 : 0;
+    inARow = some ? inARow + 1 : 0;
     mostInARow = std::max(mostInARow, inARow);
   }
   CHECK(leftOut >= 20);

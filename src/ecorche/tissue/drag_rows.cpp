@@ -4,16 +4,16 @@
 #include <ecorche/tissue/drag_rows.h>
 #include <ecorche/tissue/nearest_samples.h>
 #include <ecorche/tissue/piece_rows.h>
+#include <ecorche/tissue/sample_targets.h>
 
 namespace ecorche::tissue {
 
 void addPieces(const CurveTissue& tissue, std::span<const CoreSample> samples, PiecedRows& rows) {
   for (std::size_t i = 0; i < samples.size();) {
     const CoreSample& sample = samples[i];
-    const TissueCurve& curve = tissue.curves[static_cast<std::size_t>(sample.curve)];
     RowPiece piece;
     piece.first = static_cast<std::int32_t>(rows.samples.size());
-    piece.target = curve.spline.interpolate(curve.values, sample.u);
+    piece.target = sampleTarget(tissue, sample);
     // Rows of one rim are of one place on the curve
     for (; i < samples.size() && samples[i].u == sample.u && samples[i].curve == sample.curve;
          ++i) {

@@ -2,6 +2,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/own_drag.h>
+#include <ecorche/tissue/sample_targets.h>
 #include <ecorche/tissue/spread_tensors.h>
 
 #include <Eigen/IterativeLinearSolvers>
@@ -292,11 +293,7 @@ void OwnDrag::Impl::solve(const Patch& patch, const PiecedRows& now,
           static_cast<float>(weighed.back().weight * s.barycentric[k] * target);
     }
   };
-  for (const CoreSample& s : staying) {
-    const TissueCurve* curve =
-        s.tissue == id ? &tissue.curves[static_cast<std::size_t>(s.curve)] : nullptr;
-    weigh(s, curve != nullptr ? curve->spline.interpolate(curve->values, s.u) : 0.0);
-  }
+  for (const CoreSample& s : staying) weigh(s, s.tissue == id ? sampleTarget(tissue, s) : 0.0);
   for (const RowPiece& piece : now.pieces) {
     for (std::int32_t i = piece.first; i < piece.first + piece.count; ++i)
       weigh(now.samples[static_cast<std::size_t>(i)], piece.target);
@@ -304,7 +301,6 @@ void OwnDrag::Impl::solve(const Patch& patch, const PiecedRows& now,
   addRows(domain.mesh, pattern(), weighed, 1.0, K);
 
   // To a matrix of its own
-  Matrix small(std::ssize(patch.row), std::ssize(patch.row));
   const mesh::NeighbourRows& neighbours = *shared->rows;
   std::vector<std::int32_t> inner;
   std::vector<float> value;
@@ -327,8 +323,9 @@ void OwnDrag::Impl::solve(const Patch& patch, const PiecedRows& now,
     }
     outer.push_back(static_cast<std::int32_t>(inner.size()));
   }
-  small = Eigen::Map<const Matrix>(std::ssize(patch.row), std::ssize(patch.row), std::ssize(inner),
-                                   outer.data(), inner.data(), value.data());
+  const Matrix small =
+      Eigen::Map<const Matrix>(std::ssize(patch.row), std::ssize(patch.row), std::ssize(inner),
+                               outer.data(), inner.data(), value.data());
   Eigen::VectorXf guess(std::ssize(patch.row));
   for (std::size_t i = 0; i < patch.row.size(); ++i)
     guess[static_cast<Eigen::Index>(i)] = x[static_cast<std::size_t>(patch.row[i])];

@@ -27,7 +27,7 @@ struct OwnDragOptions {
 class OwnDrag {
  public:
   /// Entries of the spread, side by side.
-  static constexpr int kSpread = 7;
+  static constexpr int kSpread = kTensorEntries;
 
   /// @param shared   the equations that spread the medium; kept
   /// @param own      settled; kept

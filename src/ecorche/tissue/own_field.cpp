@@ -3,6 +3,7 @@
 #include <ecorche/mesh/operators.h>
 #include <ecorche/tissue/anisotropy.h>
 #include <ecorche/tissue/own_field.h>
+#include <ecorche/tissue/sample_targets.h>
 #include <ecorche/tissue/spread_tensors.h>
 
 #include <algorithm>
@@ -147,8 +148,7 @@ OwnField::Impl::Wanted OwnField::Impl::wantedIn(const FieldRegion& region,
   out.largest = tissue.largestValue();
   out.covered = out.own.size() == own.size();
   for (const CoreSample& s : out.own) {
-    const TissueCurve& curve = tissue.curves[static_cast<std::size_t>(s.curve)];
-    out.targets.push_back(curve.spline.interpolate(curve.values, s.u));
+    out.targets.push_back(sampleTarget(tissue, s));
     for (int k = 0; k < 4; ++k) {
       const auto v = static_cast<std::size_t>(region.mesh.T(s.tet, k));
       const auto everywhere = static_cast<std::size_t>(region.vertex[v]);

@@ -3,6 +3,7 @@
 #include <ecorche/tissue/drag_ground.h>
 #include <ecorche/tissue/drag_rows.h>
 #include <ecorche/tissue/field_region.h>
+#include <ecorche/tissue/spread_tensors.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -17,7 +18,7 @@ struct OwnGround {
   /// xx yy zz xy xz yz of a symmetric tensor.
   using Tensor = std::array<float, 6>;
   /// TensorEntries on the region's rows.
-  using Spread = Eigen::Matrix<float, Eigen::Dynamic, 7, Eigen::RowMajor>;
+  using Spread = Eigen::Matrix<float, Eigen::Dynamic, kTensorEntries, Eigen::RowMajor>;
 
   std::shared_ptr<const FieldRegion> region;
   std::shared_ptr<const DragGround> ground;  ///< on the region's pattern

@@ -12,7 +12,7 @@ namespace ecorche::tissue {
 /// Solves for fields again and again while a project is edited, by what is left to do since the
 /// last time: the factor is made anew where the matrix is another one (mesh/single_cholesky.h), and
 /// fields go on from where they were (refined_solve.h). What comes out is what TissueSolver::solve
-/// gives, to 10⁻⁹ of the largest value.
+/// gives, to 5·10⁻⁹ of the largest value.
 ///
 /// Anisotropic tissues are solved for beside each other, where their fields are something
 /// (own_field.h). What 32 bits are too few for is solved by TissueSolver as a whole.

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <tuple>
 #include <vector>
 
 namespace ecorche::tissue {
@@ -12,6 +13,7 @@ namespace ecorche::tissue {
 /// What is spread from a tissue's rows to get the tensor of its medium everywhere [ABLSJ21 §3.7]:
 /// entries xx yy zz xy xz yz of its logarithm there, and 1.
 using TensorEntries = std::array<double, 7>;
+inline constexpr int kTensorEntries = std::tuple_size_v<TensorEntries>;
 
 /// One for every sample, whose tissue's they are; curves turn to the skin of the domain.
 /// @param samples  of this tissue alone, by curve, parameters ascending
