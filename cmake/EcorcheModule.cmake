@@ -19,15 +19,15 @@ if(ECORCHE_CHECKED)
   target_compile_definitions(ecorche_options INTERFACE ECORCHE_CHECKED=1)
 endif()
 
-# ecorche_take_precompiled(ecorche core): a program or library takes the precompiled headers of a room. Compilers refuse
-# those of other options than a file's, with a warning: programs are compiled as what may be moved, too.
-function(ecorche_take_precompiled target room)
-  get_target_property(type ${target} TYPE)
-  if(type STREQUAL EXECUTABLE)
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-    target_compile_options(${target} PRIVATE -fPIC)
+# ecorche_compile_together(ecorche): what its files read in common is read and instantiated once for a dozen of them, which
+# halves a whole build. Names in unnamed namespaces are one dozen's, then, not one file's. What a file does not include
+# itself shows in presets that compile each alone (`fuzz`), or with ECORCHE_TOGETHER off.
+function(ecorche_compile_together target)
+  if(ECORCHE_TOGETHER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # It takes names of included files for those of headers
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
-  target_precompile_headers(${target} REUSE_FROM ecorche_${room})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${ECORCHE_TOGETHER} UNITY_BUILD_BATCH_SIZE 12)
 endfunction()
 
 # ecorche_add_module(mesh SOURCES ... PUBLIC libs PRIVATE libs) makes ecorche::mesh.
@@ -37,28 +37,19 @@ endfunction()
 # within six minutes). What is lost: a wrong access or overflow in CGAL's code, or in ours within these files, goes
 # unseen until it touches heap that someone else has freed or until instrumented code meets the result. Whether memory
 # handed to them is freed once, and everything that they return, is still seen.
-#
-# PRECOMPILED says whose precompiled headers it takes (core's unless named): its own are ROOM/precompiled.h.
 function(ecorche_add_module name)
-  cmake_parse_arguments(ARG "" "PRECOMPILED" "SOURCES;UNSANITIZED;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;UNSANITIZED;PUBLIC;PRIVATE" ${ARGN})
   set(target ecorche_${name})
   add_library(${target} STATIC ${ARG_SOURCES} ${ARG_UNSANITIZED})
   if((ECORCHE_SANITIZE OR ECORCHE_FUZZ) AND ARG_UNSANITIZED)
     # Eigen aligns by itself where g++ says that AddressSanitizer is at work; what one file takes others free.
     # -O2 because most of a domain's time is spent here, and nothing is left that -O1 would show better
-    set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS
+    set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES COMPILE_OPTIONS
       "-fno-sanitize=all;-g1$<$<BOOL:${ECORCHE_SANITIZE}>:;-O2;-DEIGEN_MALLOC_ALREADY_ALIGNED=0>")
   endif()
+  ecorche_compile_together(${target})
   add_library(ecorche::${name} ALIAS ${target})
   target_link_libraries(${target} PUBLIC ecorche_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  if(NOT ARG_PRECOMPILED)
-    set(ARG_PRECOMPILED core)
-  endif()
-  if(ARG_PRECOMPILED STREQUAL name)
-    target_precompile_headers(${target} PRIVATE <ecorche/${name}/precompiled.h>)
-  else()
-    ecorche_take_precompiled(${target} ${ARG_PRECOMPILED})
-  endif()
 endfunction()
 
 # Sanitizers take ten times as long [s].
@@ -78,9 +69,9 @@ function(ecorche_add_test name)
   cmake_parse_arguments(ARG "SCREEN" "" "SOURCES;LIBS;FIXTURES" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
+  ecorche_compile_together(${target})
   target_link_libraries(${target} PRIVATE ecorche_options ecorche_test_support ${ARG_LIBS})
   ecorche_compile_as_test(${target})
-  ecorche_take_precompiled(${target} test_support)
   set(properties TIMEOUT ${ECORCHE_TEST_TIMEOUT} ENVIRONMENT "OPENBLAS_NUM_THREADS=2")
   if(ARG_FIXTURES)
     list(APPEND properties FIXTURES_REQUIRED ${ARG_FIXTURES})

@@ -1,5 +1,7 @@
 #include <ecorche/authoring/attachments.h>
 
+#include <catch2/catch.hpp>
+
 #include "support/paths.h"
 
 using namespace ecorche;

@@ -14,16 +14,12 @@ using model::Support;
 
 namespace {
 
-mesh::SurfaceMesh sphere(const Vector3& centre, double radius) {
-  return test::ball(3, [=](const Vector3& p) -> Vector3 { return centre + radius * p; });
-}
-
 /// A ball of skin with a ball of bone in its middle, and two small bones left and right of it.
 struct Scene {
-  mesh::SurfaceQuery skin{sphere(Vector3::Zero(), 1.0)};
-  std::vector<BoneSurface> bones = {boneSurface("middle", sphere(Vector3::Zero(), 0.2)),
-                                    boneSurface("left", sphere({-0.7, 0, 0}, 0.1)),
-                                    boneSurface("right", sphere({0.7, 0, 0}, 0.1))};
+  mesh::SurfaceQuery skin{test::sphere(Vector3::Zero(), 1.0, 3)};
+  std::vector<BoneSurface> bones = {boneSurface("middle", test::sphere(Vector3::Zero(), 0.2, 3)),
+                                    boneSurface("left", test::sphere({-0.7, 0, 0}, 0.1, 3)),
+                                    boneSurface("right", test::sphere({0.7, 0, 0}, 0.1, 3))};
   Surroundings around{skin, bones, 2.0 * std::sqrt(3.0), Vector3(-1, 0, 0), std::nullopt};
 };
 
@@ -132,7 +128,7 @@ TEST_CASE("a muscle made of sites runs between the two bones they name, origin f
 
 TEST_CASE("an end that another bone covers moves along its own to where it is free") {
   Scene scene;
-  scene.bones.push_back(boneSurface("cap", sphere({-0.6, 0, 0}, 0.08)));
+  scene.bones.push_back(boneSurface("cap", test::sphere({-0.6, 0, 0}, 0.08, 3)));
   const FreeSpace space(scene.skin, scene.bones);
   const Seat seat =
       seatOf(site("left", {-0.6, 0, 0.001}), scene.bones, space, scene.around.diagonal);

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <random>
 
@@ -16,10 +17,6 @@ using namespace ecorche::authoring;
 using mesh::Vector3;
 
 namespace {
-
-mesh::SurfaceMesh sphere(const Vector3& centre, double radius) {
-  return test::ball(3, [=](const Vector3& p) -> Vector3 { return centre + radius * p; });
-}
 
 // Lines of sight from an eye through a straight stroke in the picture
 std::vector<SightRay> straightStroke(const Vector3& eye, const Vector3& from, const Vector3& to) {
@@ -53,9 +50,9 @@ double offStroke(const std::vector<SightRay>& sights, const Vector3& p) {
 
 /// A ball of skin, and two small bones left and right in it with nothing between.
 struct Gap {
-  mesh::SurfaceQuery skin{sphere(Vector3::Zero(), 1.0)};
-  std::vector<BoneSurface> bones = {boneSurface("left", sphere({-0.5, 0, 0}, 0.05)),
-                                    boneSurface("right", sphere({0.5, 0, 0}, 0.05))};
+  mesh::SurfaceQuery skin{test::sphere(Vector3::Zero(), 1.0, 3)};
+  std::vector<BoneSurface> bones = {boneSurface("left", test::sphere({-0.5, 0, 0}, 0.05, 3)),
+                                    boneSurface("right", test::sphere({0.5, 0, 0}, 0.05, 3))};
   Vector3 eye{0, -4, 0};
   Vector3 from{-0.45, 0, 0};
   Vector3 to{0.45, 0, 0};
@@ -169,7 +166,7 @@ TEST_CASE("a bone in the way is passed on its shorter side, if nothing else is a
   for (const double side : {-1.0, 1.0}) {
     std::vector<BoneSurface> bones = gap.bones;
     // Nearer to the eye than the straight way, or farther: the other side is shorter
-    bones.push_back(boneSurface("middle", sphere({0, 0.12 * side, 0}, 0.2)));
+    bones.push_back(boneSurface("middle", test::sphere({0, 0.12 * side, 0}, 0.2, 3)));
     const StrokeRoom room{&gap.skin, bones, {}, 2.0 * std::sqrt(3.0)};
     DepthHabits upright;
     upright.lean = 0.0;
@@ -202,7 +199,7 @@ TEST_CASE("a guess is moved, turned and scaled with everything") {
   };
   std::vector<BoneSurface> bones, movedBones;
   for (int b = 0; b < 3; ++b) {
-    const auto mesh = sphere(Vector3(-0.8 + 0.8 * b, 0.1 * b, 0.1), 0.15);
+    const auto mesh = test::sphere(Vector3(-0.8 + 0.8 * b, 0.1 * b, 0.1), 0.15, 3);
     bones.push_back(boneSurface("bone" + std::to_string(b), mesh));
     movedBones.push_back(boneSurface("bone" + std::to_string(b), movedMesh(mesh)));
   }
@@ -232,7 +229,7 @@ TEST_CASE("a guess is the same on one thread and on two") {
 TEST_CASE("with an open skin a stroke still keeps out of bones") {
   const Gap gap;
   std::vector<BoneSurface> bones = gap.bones;
-  bones.push_back(boneSurface("middle", sphere(Vector3::Zero(), 0.2)));
+  bones.push_back(boneSurface("middle", test::sphere(Vector3::Zero(), 0.2, 3)));
   const StrokeRoom room{nullptr, bones, {}, 2.0 * std::sqrt(3.0)};
   const StrokeCurve drawn = strokeCurve(strokeInFlesh(gap.sights, gap.from, gap.to, room), room);
   CHECK_FALSE(drawn.leaving);
@@ -245,7 +242,7 @@ TEST_CASE("a stroke that ends on a cut plane stays on the kept side") {
                               Vector3::UnitY()};
   // Bone pushes towards the eye, where the plane cuts everything off
   std::vector<BoneSurface> bones = gap.bones;
-  bones.push_back(boneSurface("middle", sphere({-0.1, 0.35, 0}, 0.3)));
+  bones.push_back(boneSurface("middle", test::sphere({-0.1, 0.35, 0}, 0.3, 3)));
   const Vector3 to(0.45, -0.1, 0);
   const StrokeRoom room{&gap.skin, bones, {plane}, 2.0 * std::sqrt(3.0)};
   const StrokeCurve drawn =
@@ -258,7 +255,7 @@ TEST_CASE("a stroke that ends on a cut plane stays on the kept side") {
 TEST_CASE("where a curve leaves the domain is found: through what, and where") {
   const Gap gap;
   std::vector<BoneSurface> bones = gap.bones;
-  bones.push_back(boneSurface("middle", sphere(Vector3::Zero(), 0.2)));
+  bones.push_back(boneSurface("middle", test::sphere(Vector3::Zero(), 0.2, 3)));
   const model::CutPlane plane{"median", model::CutPlane::Kind::Symmetry, Vector3(0, -0.3, 0),
                               Vector3::UnitY()};
   const StrokeRoom room{&gap.skin, bones, {plane}, 2.0 * std::sqrt(3.0)};
@@ -295,8 +292,8 @@ TEST_CASE("where a curve leaves the domain is found: through what, and where") {
 TEST_CASE("a stroke out of a closed hollow bone is made, and told to go through it") {
   const Gap gap;
   // A shell: outward outside, inward inside
-  mesh::SurfaceMesh outer = sphere({-0.5, 0, 0}, 0.3);
-  mesh::SurfaceMesh inner = sphere({-0.5, 0, 0}, 0.28);
+  mesh::SurfaceMesh outer = test::sphere({-0.5, 0, 0}, 0.3, 3);
+  mesh::SurfaceMesh inner = test::sphere({-0.5, 0, 0}, 0.28, 3);
   inner.F.col(0).swap(inner.F.col(1));
   std::vector<BoneSurface> bones = gap.bones;
   bones.push_back(boneSurface("shell", mesh::joined({outer, inner}, "shell")));

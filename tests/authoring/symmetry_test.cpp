@@ -1,6 +1,9 @@
 #include <ecorche/authoring/symmetry.h>
 #include <ecorche/mesh/read_mesh.h>
 
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
 #include "authoring/shapes.h"
 #include "support/paths.h"
 

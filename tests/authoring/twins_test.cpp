@@ -17,7 +17,7 @@ namespace {
 
 const Mirror kMirror{Vector3::Zero(), Vector3::UnitY()};
 
-AttachmentSite site(const char* bone, const Vector3& at) {
+AttachmentSite patchSite(const char* bone, const Vector3& at) {
   return {.muscle = "m", .bone = bone, .at = at, .patchFile = "patch.stl"};
 }
 
@@ -33,8 +33,8 @@ TEST_CASE("twins are known by their names") {
 
 TEST_CASE("what one twin lacks is taken from the other, mirrored, without its patch") {
   const std::vector<MuscleSites> table = {
-      {"a_L", {site("Rib_L_1", {0, 0.2, 0})}},
-      {"a_R", {site("Rib_R_1", {0, -0.201, 0}), site("Jaw", {0.5, -0.1, 0})}}};
+      {"a_L", {patchSite("Rib_L_1", {0, 0.2, 0})}},
+      {"a_R", {patchSite("Rib_R_1", {0, -0.201, 0}), patchSite("Jaw", {0.5, -0.1, 0})}}};
   Findings findings;
   const auto both = withTwinSites(table, kMirror, 1.0, findings);
   REQUIRE(both[0].sites.size() == 2);
@@ -48,17 +48,17 @@ TEST_CASE("what one twin lacks is taken from the other, mirrored, without its pa
 
 TEST_CASE("the second side is the lower twin, or what lies below the plane") {
   const std::vector<MuscleSites> table = {
-      {"a_L", {site("", {0, 0.01, 0}), site("", {1, -0.002, 0})}},
-      {"a_R", {site("", {0, -0.01, 0}), site("", {1, 0.002, 0})}},
-      {"b", {site("", {0, -0.3, 0}), site("", {0, 0.3, 0})}},
-      {"c", {site("", {0, -0.3, 0})}}};
+      {"a_L", {patchSite("", {0, 0.01, 0}), patchSite("", {1, -0.002, 0})}},
+      {"a_R", {patchSite("", {0, -0.01, 0}), patchSite("", {1, 0.002, 0})}},
+      {"b", {patchSite("", {0, -0.3, 0}), patchSite("", {0, 0.3, 0})}},
+      {"c", {patchSite("", {0, -0.3, 0})}}};
   CHECK(onSecondSide(table, kMirror, 2.0) == std::vector<bool>{false, true, false, true});
 }
 
 TEST_CASE("a muscle on both sides is folded onto the first one") {
   const MuscleSites both{"m",
-                         {site("Rib_L_1", {0, 0.2, 0}), site("Rib_R_1", {0, -0.2, 0}),
-                          site("sternum", {0.1, 0, 0}), site("jaw", {0.5, -0.1, 0})}};
+                         {patchSite("Rib_L_1", {0, 0.2, 0}), patchSite("Rib_R_1", {0, -0.2, 0}),
+                          patchSite("sternum", {0.1, 0, 0}), patchSite("jaw", {0.5, -0.1, 0})}};
   const FoldedSites fold = folded(both, kMirror, 1.0);
   REQUIRE(fold.sites.size() == 3);
   CHECK(fold.sites[2].bone == "jaw");
@@ -68,28 +68,27 @@ TEST_CASE("a muscle on both sides is folded onto the first one") {
 }
 
 TEST_CASE("of a whole body the right muscles are the left ones' images on their own bones") {
-  const auto ball = [](const Vector3& centre, double radius) {
-    return test::ball(3, [=](const Vector3& p) -> Vector3 { return centre + radius * p; });
-  };
-  const mesh::SurfaceQuery skin(ball(Vector3::Zero(), 1.0));
-  const std::vector<BoneSurface> bones = {boneSurface("spine", ball(Vector3::Zero(), 0.25)),
-                                          boneSurface("femur_L", ball({0.5, 0.5, 0}, 0.1)),
-                                          boneSurface("femur_R", ball({0.5, -0.5, 0}, 0.1)),
-                                          boneSurface("tibia_L", ball({-0.5, 0.4, 0.1}, 0.1)),
-                                          boneSurface("tibia_R", ball({-0.5, -0.4, 0.1}, 0.1))};
+  const mesh::SurfaceQuery skin(test::sphere(Vector3::Zero(), 1.0, 3));
+  const std::vector<BoneSurface> bones = {
+      boneSurface("spine", test::sphere(Vector3::Zero(), 0.25, 3)),
+      boneSurface("femur_L", test::sphere({0.5, 0.5, 0}, 0.1, 3)),
+      boneSurface("femur_R", test::sphere({0.5, -0.5, 0}, 0.1, 3)),
+      boneSurface("tibia_L", test::sphere({-0.5, 0.4, 0.1}, 0.1, 3)),
+      boneSurface("tibia_R", test::sphere({-0.5, -0.4, 0.1}, 0.1, 3))};
   Surroundings around{skin, bones, 2.0 * std::sqrt(3.0), Vector3::Zero(), kMirror, true};
   // The chord of a_L and a_R runs near the spine, that of b through it; c goes from side to side
   std::vector<MuscleSites> table;
   for (const double side : {1.0, -1.0}) {
     const std::string s = side > 0 ? "_L" : "_R";
     table.push_back({"a" + s,
-                     {site(("femur" + s).c_str(), {0.45, side * 0.41, 0}),
-                      site(("tibia" + s).c_str(), {-0.45, side * 0.32, 0.1})}});
+                     {patchSite(("femur" + s).c_str(), {0.45, side * 0.41, 0}),
+                      patchSite(("tibia" + s).c_str(), {-0.45, side * 0.32, 0.1})}});
     table.push_back({"b" + s,
-                     {site(("femur" + s).c_str(), {0.41, side * 0.45, 0}),
-                      site("spine", {-0.24, side * 0.05, 0})}});
+                     {patchSite(("femur" + s).c_str(), {0.41, side * 0.45, 0}),
+                      patchSite("spine", {-0.24, side * 0.05, 0})}});
   }
-  table.push_back({"c", {site("femur_L", {0.5, 0.41, 0.05}), site("femur_R", {0.5, -0.41, 0.05})}});
+  table.push_back(
+      {"c", {patchSite("femur_L", {0.5, 0.41, 0.05}), patchSite("femur_R", {0.5, -0.41, 0.05})}});
   RunContext run;
   const auto made = firstMuscles(table, around, run).value();
   REQUIRE(made.muscles.size() == 5);

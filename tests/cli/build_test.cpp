@@ -1,6 +1,7 @@
 // What `ecorche build` answers to faulty input: exact code, exit 1, one sentence, nothing written.
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
 

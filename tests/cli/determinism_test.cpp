@@ -1,5 +1,7 @@
 // The same project gives the same bytes, whatever the threads, the run and the cache.
 
+#include <catch2/catch.hpp>
+
 #include "support/output_files.h"
 #include "support/program.h"
 #include "support/small_project.h"

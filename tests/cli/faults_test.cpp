@@ -2,6 +2,7 @@
 // what happened, nothing else is left behind, and the next run works.
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <functional>
 #include <set>
 
@@ -93,7 +94,7 @@ class Bench {
   test::Files limb_, earlier_;
 };
 
-int findingsOf(const test::Files& output, const std::string& kind) {
+int countFindings(const test::Files& output, const std::string& kind) {
   int count = 0;
   const auto report = nlohmann::json::parse(output.at("report.json"));
   for (const auto& f : report.at("findings")) count += f.at("kind") == kind;
@@ -264,7 +265,7 @@ TEST_CASE("build: a damaged cache is made anew, said once") {
     INFO("damage " << k << "\n" << run.err);
     CHECK(run.exitCode == 0);
     CHECK(withoutReport(bench.output()) == withoutReport(bench.limb()));
-    CHECK(findingsOf(bench.output(), "cache-damaged") == 1);
+    CHECK(countFindings(bench.output(), "cache-damaged") == 1);
     bench.nextRunWorks();
   }
 }

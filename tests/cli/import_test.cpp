@@ -5,6 +5,7 @@
 #include <ecorche/model/project_file.h>
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "support/program.h"

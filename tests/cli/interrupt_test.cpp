@@ -4,6 +4,7 @@
 #include <ecorche/domain/domain_cache.h>
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <map>
 #include <random>
@@ -24,9 +25,9 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 /// Two projects that differ, their outputs, and a place where builds are cut short.
-class Bench {
+class CutShort {
  public:
-  explicit Bench(std::uint64_t seed) : random_(seed) {
+  explicit CutShort(std::uint64_t seed) : random_(seed) {
     fs::create_directory(project_.at("tmp"));
     fs::create_directory(project_.at("place"));
     project_.write("other.ecorche", SmallProject::textWith("\"flexor\"", "\"brachialis\""));
@@ -149,7 +150,7 @@ constexpr const char* kStaged[] = {".",     "anatomy.vtu", "anatomy.mesh",
 }  // namespace
 
 TEST_CASE("a build killed at any moment leaves a whole output or none, a sound cache, no worker") {
-  Bench bench(Catch::rngSeed());
+  CutShort bench(Catch::rngSeed());
   std::map<std::string, int> seen;
   const auto judge = [&](test::Running& run, const std::vector<std::string>& allowed) {
     run.send(SIGKILL);
@@ -213,7 +214,7 @@ TEST_CASE("a build killed at any moment leaves a whole output or none, a sound c
 }
 
 TEST_CASE("an interrupted build answers 130 and leaves nothing behind") {
-  Bench bench(Catch::rngSeed());
+  CutShort bench(Catch::rngSeed());
   REQUIRE(bench.start("other")->wait() == 0);
   int interrupted = 0;
   for (int k = 0; k < kMoments; ++k) {

@@ -1,6 +1,7 @@
 #include <ecorche/core/files.h>
 #include <ecorche/model/project_file.h>
 
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "support/program.h"

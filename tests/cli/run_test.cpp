@@ -2,6 +2,7 @@
 #include <ecorche/model/project_file.h>
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 
 #include "model/sample_project.h"
 #include "support/program.h"

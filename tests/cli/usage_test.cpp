@@ -1,5 +1,6 @@
 #include <ecorche/core/files.h>
 
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "model/sample_project.h"

@@ -2,6 +2,7 @@
 #include <ecorche/core/subprocess.h>
 
 #include <Eigen/Core>
+#include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>

@@ -17,11 +17,6 @@ using mesh::Vector3;
 
 namespace {
 
-Hole bone(mesh::SurfaceMesh mesh, std::string name, int index) {
-  mesh.name = name;
-  return {std::move(name), std::move(mesh), {BoundaryTag::Kind::Bone, index}, true};
-}
-
 std::set<std::int32_t> tagsIn(const TaggedSurface& surface) {
   return {surface.tag.begin(), surface.tag.end()};
 }
@@ -33,8 +28,8 @@ constexpr CarveOptions kOptions{.wrapTolerance = 0.01};
 TEST_CASE("a box minus two overlapping boxes has the volume that it should") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
-  input.holes = {bone(test::box({1, 1, 1}, {2, 2, 2}), "a", 0),
-                 bone(test::box({1.5, 1.25, 1.25}, {3, 1.75, 1.75}), "b", 1)};
+  input.holes = {test::bone(test::box({1, 1, 1}, {2, 2, 2}), "a", 0),
+                 test::bone(test::box({1.5, 1.25, 1.25}, {3, 1.75, 1.75}), "b", 1)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -49,8 +44,8 @@ TEST_CASE("a box minus two overlapping boxes has the volume that it should") {
 TEST_CASE("a bone within a bone adds nothing") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
-  input.holes = {bone(test::box({1, 1, 1}, {3, 3, 3}), "outer", 0),
-                 bone(test::sphere({2, 2, 2}, 0.5, 2), "inner", 1)};
+  input.holes = {test::bone(test::box({1, 1, 1}, {3, 3, 3}), "outer", 0),
+                 test::bone(test::sphere({2, 2, 2}, 0.5, 2), "inner", 1)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -60,15 +55,15 @@ TEST_CASE("a bone within a bone adds nothing") {
 TEST_CASE("bones that share a face or an edge are united, none is wrapped") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
-  input.holes = {bone(test::box({1, 1, 1}, {2, 2, 2}), "a", 0),
-                 bone(test::box({2, 1, 1}, {3, 2, 2}), "b", 1)};
+  input.holes = {test::bone(test::box({1, 1, 1}, {2, 2, 2}), "a", 0),
+                 test::bone(test::box({2, 1, 1}, {3, 2, 2}), "b", 1)};
   RunContext run;
   const auto faces = carve(input, kOptions, run);
   REQUIRE(faces);
   CHECK(faces->wrapCount == 0);
   CHECK(mesh::signedVolume(faces->surface.V, faces->surface.F) == Approx(64 - 2));
 
-  input.holes[1] = bone(test::box({2, 2, 1}, {3, 3, 2}), "b", 1);
+  input.holes[1] = test::bone(test::box({2, 2, 1}, {3, 3, 2}), "b", 1);
   const auto edges = carve(input, kOptions, run);
   REQUIRE(edges);
   CHECK(edges->wrapCount == 0);
@@ -91,9 +86,9 @@ TEST_CASE("a wrap that reaches a neighbour is united with it") {
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
   auto folded = mesh::joined(
       {test::box({1, 1, 1}, {1.6, 2, 2}), test::box({1.4, 1.1, 1.1}, {2, 1.9, 1.9})}, "folded");
-  input.holes = {bone(std::move(folded), "folded", 0),
-                 bone(test::box({1.3, 1.5, 1.2}, {1.7, 3, 1.8}), "across", 1),
-                 bone(test::box({2.001, 1.1, 1.1}, {3, 1.9, 1.9}), "near", 2)};
+  input.holes = {test::bone(std::move(folded), "folded", 0),
+                 test::bone(test::box({1.3, 1.5, 1.2}, {1.7, 3, 1.8}), "across", 1),
+                 test::bone(test::box({2.001, 1.1, 1.1}, {3, 1.9, 1.9}), "near", 2)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -106,7 +101,7 @@ TEST_CASE("a wrap that reaches a neighbour is united with it") {
 TEST_CASE("an open bone is wrapped") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
-  Hole open = bone(test::sphere({2, 2, 2}, 1.0, 3), "cracked", 0);
+  Hole open = test::bone(test::sphere({2, 2, 2}, 1.0, 3), "cracked", 0);
   open.mesh.F.conservativeResize(open.mesh.F.rows() - 1, 3);
   open.fit = false;
   input.holes = {open};
@@ -120,7 +115,7 @@ TEST_CASE("an open bone is wrapped") {
 TEST_CASE("what pokes out of the skin is cut off and its volume told") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
-  input.holes = {bone(test::box({1, 1, 3}, {2, 2, 4.5}), "claw", 0)};
+  input.holes = {test::bone(test::box({1, 1, 3}, {2, 2, 4.5}), "claw", 0)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -136,7 +131,7 @@ TEST_CASE(
     "axis") {
   CarveInput input;
   input.skin = test::sphere({0, 0, 0}, 1.0, 4);
-  input.holes = {bone(test::sphere({0.1, 0, 0}, 0.4, 3), "bone", 0)};
+  input.holes = {test::bone(test::sphere({0.1, 0, 0}, 0.4, 3), "bone", 0)};
   input.cutPlanes = {{"median", {0, 0.1, 0}, {0, 1, 0}},
                      {"slant", {0.2, 0, 0}, Vector3(-1, 0, 1).normalized()}};
   RunContext run;
@@ -192,9 +187,9 @@ TEST_CASE(
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
   input.cutPlanes = {{"middle", {2, 0, 0}, {1, 0, 0}}};
-  input.holes = {bone(test::box({0.5, 1, 1}, {1, 2, 2}), "left", 0),
-                 bone(test::box({3, 1, 1}, {3.5, 2, 2}), "right", 1),
-                 bone(test::box({8, 1, 1}, {9, 2, 2}), "far", 2)};
+  input.holes = {test::bone(test::box({0.5, 1, 1}, {1, 2, 2}), "left", 0),
+                 test::bone(test::box({3, 1, 1}, {3.5, 2, 2}), "right", 1),
+                 test::bone(test::box({8, 1, 1}, {9, 2, 2}), "far", 2)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -202,13 +197,13 @@ TEST_CASE(
   CHECK(mesh::signedVolume(carved->surface.V, carved->surface.F) == Approx(32 - 0.5));
   REQUIRE(test::hasFinding(carved->findings, "outside-skin"));
 
-  input.holes = {bone(test::box({8, 1, 1}, {9, 2, 2}), "far", 0)};
+  input.holes = {test::bone(test::box({8, 1, 1}, {9, 2, 2}), "far", 0)};
   const auto outside = carve(input, kOptions, run);
   REQUIRE_FALSE(outside);
   CHECK(outside.error().code == ErrorCode::BonesOutsideSkin);
 
   // An obstacle out there is no bone
-  input.holes.push_back(bone(test::box({11, 1, 1}, {12, 2, 2}), "stone", 0));
+  input.holes.push_back(test::bone(test::box({11, 1, 1}, {12, 2, 2}), "stone", 0));
   input.holes.back().tag.kind = BoundaryTag::Kind::Obstacle;
   const auto both = carve(input, kOptions, run);
   REQUIRE_FALSE(both);
@@ -233,7 +228,7 @@ TEST_CASE("a bone of several pieces is judged piece by piece") {
   const auto across = test::box({3, 1, 1}, {4.5, 2, 2});
   const auto outside = test::box({8, 1, 1}, {9, 2, 2});
   const auto pieces = [](const std::vector<mesh::SurfaceMesh>& list) {
-    return bone(mesh::joined(list, "hyoid"), "hyoid", 0);
+    return test::bone(mesh::joined(list, "hyoid"), "hyoid", 0);
   };
   const auto told = [](const Carved& carved, const char* kind) {
     const auto found = std::ranges::find(carved.findings, kind, &Finding::kind);
@@ -285,10 +280,10 @@ TEST_CASE(
   RunContext run;
   for (const bool aloneFirst : {true, false}) {
     input.holes = {
-        bone(test::box({1, 1, 1}, {2, 2, 2}), "outer", 0),
-        bone(mesh::joined(aloneFirst ? std::vector{alone, within} : std::vector{within, alone},
-                          "two"),
-             "two", 1)};
+        test::bone(test::box({1, 1, 1}, {2, 2, 2}), "outer", 0),
+        test::bone(mesh::joined(
+                       aloneFirst ? std::vector{alone, within} : std::vector{within, alone}, "two"),
+                   "two", 1)};
     const auto carved = carve(input, kOptions, run);
     REQUIRE(carved);
     CHECK(test::hasFinding(carved->findings, "united"));
@@ -300,7 +295,7 @@ TEST_CASE("a bone that encloses one of two skins is not outside") {
   CarveInput input;
   input.skin =
       mesh::joined({test::box({0, 0, 0}, {1, 1, 1}), test::box({4, 0, 0}, {5, 1, 1})}, "skin");
-  input.holes = {bone(test::box({-1, -1, -1}, {2, 2, 2}), "cap", 0)};
+  input.holes = {test::bone(test::box({-1, -1, -1}, {2, 2, 2}), "cap", 0)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -311,7 +306,7 @@ TEST_CASE("a bone that encloses one of two skins is not outside") {
 TEST_CASE("what pokes out beyond a cut plane is not told") {
   CarveInput input;
   input.skin = test::box({0, 0, 0}, {4, 4, 4});
-  input.holes = {bone(test::box({1, 1, 1}, {4.5, 2, 2}), "claw", 0)};
+  input.holes = {test::bone(test::box({1, 1, 1}, {4.5, 2, 2}), "claw", 0)};
   input.cutPlanes = {{"middle", {2, 0, 0}, {-1, 0, 0}}};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
@@ -344,7 +339,7 @@ TEST_CASE("what pokes out is told where it touches itself, too") {
   REQUIRE(mesh::isClosed(gable.F));
   REQUIRE(mesh::isOriented(gable.F));
   REQUIRE(mesh::signedVolume(gable.V, gable.F) == Approx(32 + 16));
-  input.holes = {bone(test::box({1, 1, 2.5}, {3, 3, 4}), "crest", 0)};
+  input.holes = {test::bone(test::box({1, 1, 2.5}, {3, 3, 4}), "crest", 0)};
   RunContext run;
   const auto carved = carve(input, kOptions, run);
   REQUIRE(carved);
@@ -392,7 +387,7 @@ TEST_CASE("many bones that overlap are united; a cancel is heard") {
   for (int i = 0; i < 40; ++i) {
     const double y = 0.1 * (i % 2);
     input.holes.push_back(
-        bone(test::box({1.0 * i, y, 0}, {i + 1.2, y + 0.8, 1}), "v" + std::to_string(i), i));
+        test::bone(test::box({1.0 * i, y, 0}, {i + 1.2, y + 0.8, 1}), "v" + std::to_string(i), i));
   }
   RunContext run;
   const auto carved = carve(input, kOptions, run);

@@ -2,6 +2,7 @@
 #include <ecorche/domain/interior_points.h>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <chrono>
 #include <thread>
 

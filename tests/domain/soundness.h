@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/domain/build_domain.h>
+#include <ecorche/domain/carve.h>
 #include <ecorche/domain/vertex_links.h>
 #include <ecorche/mesh/surface_topology.h>
 
@@ -68,6 +69,11 @@ inline bool hasFinding(const Findings& findings, const std::string& kind) {
     if (f.kind == kind) return true;
   }
   return false;
+}
+
+inline domain::Hole bone(mesh::SurfaceMesh mesh, std::string name, int index) {
+  mesh.name = name;
+  return {std::move(name), std::move(mesh), {domain::BoundaryTag::Kind::Bone, index}, true};
 }
 
 }  // namespace ecorche::test

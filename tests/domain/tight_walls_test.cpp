@@ -48,11 +48,6 @@ TaggedSurface wavyFilm(double gap) {
   return film;
 }
 
-Hole bone(mesh::SurfaceMesh mesh, std::string name, int index) {
-  mesh.name = name;
-  return {std::move(name), std::move(mesh), {BoundaryTag::Kind::Bone, index}, true};
-}
-
 }  // namespace
 
 TEST_CASE("an octree of boxes finds what a look at every box finds, while boxes come and go") {
@@ -139,7 +134,7 @@ TEST_CASE("a bone that ends a hair before the cut plane, on it or behind it leav
   for (const double hair : {-1e-9, -1e-12, 0.0, 1e-12, 1e-9, 1e-6}) {
     CarveInput input;
     input.skin = test::box({-2, -2, -2}, {2, 2, 2});
-    input.holes = {bone(test::box({-1, hair, -1}, {1, 1, 1}), "a", 0)};
+    input.holes = {test::bone(test::box({-1, hair, -1}, {1, 1, 1}), "a", 0)};
     input.cutPlanes = {{"symmetry", Vector3::Zero(), Vector3::UnitY()}};
     RunContext run;
     const auto carved = carve(input, {.wrapTolerance = 0.01}, run);
@@ -189,7 +184,7 @@ TEST_CASE("ridges that cross exactly leave a domain that does not cross itself")
   for (const double shift : {0.0, 1e-13, 1e-9, 1e-3}) {
     auto pressed = above;
     pressed.V.col(2).array() -= shift;
-    input.holes = {bone(below, "below", 0), bone(pressed, "above", 1)};
+    input.holes = {test::bone(below, "below", 0), test::bone(pressed, "above", 1)};
     RunContext run;
     const auto carved = carve(input, {.wrapTolerance = 0.02}, run);
     REQUIRE(carved);

@@ -18,11 +18,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const test::SampleOutput& sample() {
-  static const test::SampleOutput s = test::makeSample();
-  return s;
-}
-
 CheckReport checked(const fs::path& folder) {
   RunContext run;
   auto report = exchange::checkOutput(folder, run);
@@ -43,7 +38,7 @@ std::vector<std::string> failedNames(const CheckReport& report) {
 std::vector<std::string> failedAfter(const std::function<void(test::SampleOutput&)>& change,
                                      const std::function<void(const fs::path&)>& spoil = {}) {
   test::TempFolder temp;
-  test::SampleOutput s = sample();
+  test::SampleOutput s = test::sample();
   change(s);
   test::writeSample(s, temp.path());
   if (spoil) spoil(temp.path());
@@ -95,17 +90,17 @@ void replaceIn(const fs::path& file, const std::string& from, const std::string&
 
 TEST_CASE("a whole output passes every check, and the figures are those of the model") {
   test::TempFolder temp;
-  test::writeSample(sample(), temp.path());
+  test::writeSample(test::sample(), temp.path());
   const CheckReport report = checked(temp.path());
   INFO(exchange::checkTable(report.checks));
   CHECK(report.pass());
   CHECK(report.checks.size() == 20);
   CHECK_FALSE(exchange::failure(report, temp.path()));
-  CHECK(report.tets == sample().shape.anatomy.mesh.T.rows());
+  CHECK(report.tets == test::sample().shape.anatomy.mesh.T.rows());
   REQUIRE(report.tissues.size() == 3);
   double sum = 0.0;
   for (const auto& t : report.tissues) sum += t.volumeCm3;
-  CHECK(sum == Approx(1e6 * sample().shape.domain.volume).epsilon(1e-12));
+  CHECK(sum == Approx(1e6 * test::sample().shape.domain.volume).epsilon(1e-12));
   CHECK(report.tissues[1].components == 1);
   CHECK(exchange::printCheckReport(report).find("\"pass\": true") != std::string::npos);
 }
@@ -113,13 +108,13 @@ TEST_CASE("a whole output passes every check, and the figures are those of the m
 TEST_CASE("either volume format is enough to check") {
   for (const char* formats : {"vtu", "mesh", "vtu,obj"}) {
     test::TempFolder temp;
-    test::writeSample(sample(), temp.path(), exchange::parseFormats(formats).value());
+    test::writeSample(test::sample(), temp.path(), exchange::parseFormats(formats).value());
     const CheckReport report = checked(temp.path());
     INFO(formats << "\n" << exchange::checkTable(report.checks));
     CHECK(report.pass());
   }
   test::TempFolder temp;
-  test::writeSample(sample(), temp.path(), exchange::parseFormats("obj").value());
+  test::writeSample(test::sample(), temp.path(), exchange::parseFormats("obj").value());
   RunContext run;
   CHECK(exchange::checkOutput(temp.path(), run).error().code == ErrorCode::FileMissing);
   CHECK(exchange::checkOutput(temp.path() / "none", run).error().code == ErrorCode::FileMissing);
@@ -350,7 +345,7 @@ TEST_CASE("each corruption is caught by the check that is made for it") {
 
 TEST_CASE("files that cannot be read are errors with their name, not failed checks") {
   test::TempFolder temp;
-  test::writeSample(sample(), temp.path());
+  test::writeSample(test::sample(), temp.path());
   const std::string good = readFile(temp.path() / "anatomy.vtu").value();
   std::ofstream(temp.path() / "anatomy.vtu", std::ios::binary | std::ios::trunc)
       << good.substr(0, good.size() - 1000);

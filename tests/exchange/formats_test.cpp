@@ -22,11 +22,6 @@ using exchange::readVtu;
 
 namespace {
 
-const test::SampleOutput& sample() {
-  static const test::SampleOutput s = test::makeSample();
-  return s;
-}
-
 std::vector<std::int32_t> ids(const std::vector<TissueId>& labels) {
   std::vector<std::int32_t> out;
   for (const TissueId id : labels) out.push_back(id.value);
@@ -41,15 +36,15 @@ void overwrite(const std::filesystem::path& file, const std::string& bytes) {
 
 TEST_CASE("what is written to VTU and MEDIT is read back to the last bit") {
   test::TempFolder temp;
-  const auto written = test::writeSample(sample(), temp.path());
+  const auto written = test::writeSample(test::sample(), temp.path());
   const auto vtu = readVtu(temp.path() / "anatomy.vtu");
   REQUIRE(vtu);
-  const envelope::Anatomy& a = sample().shape.anatomy;
+  const envelope::Anatomy& a = test::sample().shape.anatomy;
   CHECK(vtu->mesh.V == a.mesh.V);
   CHECK(vtu->mesh.T == a.mesh.T);
   CHECK(vtu->tissue == ids(a.label));
-  CHECK(vtu->tetFiber == sample().fibers.tetFiber);
-  CHECK(vtu->vertexFiber == sample().fibers.vertexFiber);
+  CHECK(vtu->tetFiber == test::sample().fibers.tetFiber);
+  CHECK(vtu->vertexFiber == test::sample().fibers.vertexFiber);
   REQUIRE(vtu->names.size() == 3);
   CHECK(vtu->names[0] == exchange::TissueName{1, "fat"});
   CHECK(vtu->names[2] == exchange::TissueName{3, "triceps <lateral> & \"long\""});
@@ -125,7 +120,7 @@ TEST_CASE("numbers of any size survive both formats") {
 }
 
 TEST_CASE("tendon is carried where there is one") {
-  test::SampleOutput s = sample();
+  test::SampleOutput s = test::sample();
   s.fibers.tendon.assign(s.shape.anatomy.label.size(), 0);
   s.fibers.tendon[5] = 1;
   test::TempFolder temp;
@@ -139,7 +134,7 @@ TEST_CASE("formats that were not asked for are not written") {
   test::TempFolder temp;
   const auto formats = exchange::parseFormats("mesh,obj");
   REQUIRE(formats);
-  test::writeSample(sample(), temp.path(), *formats);
+  test::writeSample(test::sample(), temp.path(), *formats);
   CHECK_FALSE(std::filesystem::exists(temp.path() / "anatomy.vtu"));
   CHECK(std::filesystem::exists(temp.path() / "anatomy.mesh"));
   CHECK(std::filesystem::exists(temp.path() / "muscles" / "biceps_brachii.obj"));
@@ -149,15 +144,15 @@ TEST_CASE("formats that were not asked for are not written") {
 
 TEST_CASE("surfaces and originals are written under safe names and read back exactly") {
   test::TempFolder temp;
-  const auto written = test::writeSample(sample(), temp.path());
+  const auto written = test::writeSample(test::sample(), temp.path());
   CHECK(written.tissueFiles == std::vector<std::string>{"fat.obj", "muscles/biceps_brachii.obj",
                                                         "muscles/triceps__lateral_____long_.obj"});
   RunContext run;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto back = mesh::readMesh(temp.path() / written.tissueFiles[i], {}, run);
     REQUIRE(back);
-    CHECK(back->V == sample().surfaces[i].V);
-    CHECK(back->F == sample().surfaces[i].F);
+    CHECK(back->V == test::sample().surfaces[i].V);
+    CHECK(back->F == test::sample().surfaces[i].F);
   }
   CHECK(std::filesystem::exists(temp.path() / "skin.obj"));
   CHECK(std::filesystem::exists(temp.path() / "bones" / "lower_plate.obj"));
@@ -183,7 +178,7 @@ TEST_CASE("file names are safe everywhere and never collide") {
 
 TEST_CASE("a broken VTU says what is wrong with it") {
   test::TempFolder temp;
-  test::writeSample(sample(), temp.path());
+  test::writeSample(test::sample(), temp.path());
   const auto file = temp.path() / "anatomy.vtu";
   const std::string good = readFile(file).value();
   const auto codeOf = [&](const std::string& bytes) {
@@ -250,7 +245,7 @@ TEST_CASE("files have the same bytes whatever the number of threads") {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     test::TempFolder temp;
-    test::writeSample(sample(), temp.path());
+    test::writeSample(test::sample(), temp.path());
     medit.push_back(readFile(temp.path() / "anatomy.mesh").value());
   }
   CHECK(medit[0] == medit[1]);
@@ -258,7 +253,8 @@ TEST_CASE("files have the same bytes whatever the number of threads") {
 
 TEST_CASE("a folder that cannot be written is an error with a name") {
   RunContext run;
-  const auto written = exchange::writeOutput("/nonexistent/folder", sample().contents(), {}, run);
+  const auto written =
+      exchange::writeOutput("/nonexistent/folder", test::sample().contents(), {}, run);
   REQUIRE_FALSE(written);
   CHECK(written.error().code == ErrorCode::FileNotWritable);
 }

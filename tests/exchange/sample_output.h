@@ -30,6 +30,12 @@ struct SampleOutput {
 [[nodiscard]] SampleOutput makeSample(const std::string& firstName = "biceps brachii",
                                       std::array<int, 3> cells = {10, 10, 16});
 
+/// Made once for all tests of a program.
+inline const SampleOutput& sample() {
+  static const SampleOutput made = makeSample();
+  return made;
+}
+
 /// Writes the sample whole; fails the test where that fails.
 exchange::WrittenOutput writeSample(const SampleOutput& sample, const std::filesystem::path& folder,
                                     const exchange::OutputFormats& formats = {});

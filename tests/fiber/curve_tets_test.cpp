@@ -1,5 +1,7 @@
 #include <ecorche/fiber/curve_tets.h>
 
+#include <catch2/catch.hpp>
+
 #include "fiber/fibers.h"
 
 using namespace ecorche;

@@ -1,5 +1,7 @@
 // Where muscles begin and end, and what has no end.
 
+#include <catch2/catch.hpp>
+
 #include "fiber/fibers.h"
 
 using namespace ecorche;

@@ -1,6 +1,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/fiber/curve_tets.h>
 
+#include <catch2/catch.hpp>
 #include <numbers>
 #include <numeric>
 #include <random>

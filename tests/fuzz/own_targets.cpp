@@ -111,7 +111,7 @@ void attachments(std::string_view bytes) {
   }
 }
 
-constexpr FuzzTarget kTargets[] = {
+constexpr FuzzTarget kOwnTargets[] = {
     {"answer", answer},   {"attachments", attachments},
     {"cache", cache},     {"medit", anatomy<exchange::parseMedit>},
     {"model", model},     {"report", report},
@@ -120,6 +120,6 @@ constexpr FuzzTarget kTargets[] = {
 
 }  // namespace
 
-std::span<const FuzzTarget> ownTargets() { return kTargets; }
+std::span<const FuzzTarget> ownTargets() { return kOwnTargets; }
 
 }  // namespace ecorche::test

@@ -102,7 +102,7 @@ void script(std::string_view bytes) {
   }
 }
 
-constexpr FuzzTarget kTargets[] = {
+constexpr FuzzTarget kInputTargets[] = {
     {"obj", read<mesh::parseObj>},
     {"ply", read<mesh::parsePly>},
     {"stl", read<mesh::parseStl>},
@@ -115,6 +115,6 @@ constexpr FuzzTarget kTargets[] = {
 
 }  // namespace
 
-std::span<const FuzzTarget> inputTargets() { return kTargets; }
+std::span<const FuzzTarget> inputTargets() { return kInputTargets; }
 
 }  // namespace ecorche::test

@@ -1,6 +1,7 @@
 #include <ecorche/mesh/import_file.h>
 #include <ecorche/mesh/read_mesh.h>
 
+#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -31,7 +32,7 @@ Result<SurfaceMesh> readWith(const std::string& script, const std::string& paylo
   return mesh;
 }
 
-Result<SurfaceMesh> read(const fs::path& file) {
+Result<SurfaceMesh> imported(const fs::path& file) {
   RunContext run;
   return readMesh(file, {}, run);
 }
@@ -115,7 +116,7 @@ TEST_CASE("without a worker, foreign formats are refused and ours are read") {
   const test::TempFolder temp;
   std::ofstream(temp.path() / "leg.glb") << "glTF";
   setenv("ECORCHE_WORKER", "/no/such/worker", 1);
-  CHECK(read(temp.path() / "leg.glb").error().code == ErrorCode::WorkerMissing);
+  CHECK(imported(temp.path() / "leg.glb").error().code == ErrorCode::WorkerMissing);
   unsetenv("ECORCHE_WORKER");
 }
 
@@ -126,7 +127,7 @@ TEST_CASE("glTF: transforms of nodes are applied, each node is a part") {
           {"name":"femur","mesh":0,"translation":[1,0,0]},
           {"name":"mirror","scale":[-1,1,1],"children":[3]},
           {"name":"tibia","mesh":0}])");
-  const auto m = read(temp.path() / "a.gltf");
+  const auto m = imported(temp.path() / "a.gltf");
   INFO((m ? "" : m.error().text()));
   REQUIRE(m);
   REQUIRE(m->parts.size() == 2);
@@ -145,30 +146,30 @@ TEST_CASE("glTF that is cut or garbage is an error") {
   const std::string whole = gltf(R"([{"name":"femur","mesh":0}])");
   for (const std::size_t size : {std::size_t{20}, whole.size() / 2, whole.size() - 2}) {
     std::ofstream(temp.path() / "a.gltf") << whole.substr(0, size);
-    const auto m = read(temp.path() / "a.gltf");
+    const auto m = imported(temp.path() / "a.gltf");
     REQUIRE_FALSE(m);
     CHECK(m.error().code == ErrorCode::FileSyntax);
   }
   std::ofstream(temp.path() / "b.glb") << "glTF\2\0\0\0";
-  CHECK(read(temp.path() / "b.glb").error().code == ErrorCode::FileSyntax);
+  CHECK(imported(temp.path() / "b.glb").error().code == ErrorCode::FileSyntax);
 }
 
 TEST_CASE("the Visible Human's skin and knees come through the worker") {
   if (!test::haveData("hra_male")) return;
   const fs::path folder = test::dataFolder() / "hra_male";
-  const auto skin = read(folder / "VH_M_Skin.glb");
+  const auto skin = imported(folder / "VH_M_Skin.glb");
   REQUIRE(skin);
   CHECK(skin->V.rows() == 53669);
   CHECK(skin->F.rows() == 107334);
   CHECK(boundingBox(*skin).diagonal() > 1.5);
 
-  const auto pelvis = read(folder / "VH_M_Pelvis.glb");
+  const auto pelvis = imported(folder / "VH_M_Pelvis.glb");
   REQUIRE(pelvis);
   const auto hasBone = [](const Part& p) { return p.name.find("compact_bone") != p.name.npos; };
   CHECK(std::ranges::any_of(pelvis->parts, hasBone));
 
   // All files of the set stand in one frame: the knee is inside the skin
-  const auto knee = read(folder / "VH_M_Knee_L.glb");
+  const auto knee = imported(folder / "VH_M_Knee_L.glb");
   REQUIRE(knee);
   const Box inner = boundingBox(*knee);
   const Box outer = boundingBox(*skin);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "damaged/damage.h"
+#include "mesh/repairs.h"
 #include "support/shapes.h"
 
 using namespace ecorche;
@@ -15,17 +16,12 @@ using namespace ecorche::mesh;
 
 namespace {
 
-SurfaceMesh ball(int levels = 4) { return test::egg({0.1, 0.2, 0.3}, {1, 1, 1}, levels, "ball"); }
+SurfaceMesh ballOf(int levels = 4) { return test::egg({0.1, 0.2, 0.3}, {1, 1, 1}, levels, "ball"); }
 
 Result<RepairedSurface> mend(const SurfaceMesh& m, Mending how) {
   RunContext run;
   return mendSurface(m, how, run);
 }
-const Finding* findingOf(const RepairedSurface& r, const std::string& kind) {
-  const auto at = std::ranges::find(r.findings, kind, &Finding::kind);
-  return at == r.findings.end() ? nullptr : &*at;
-}
-
 }  // namespace
 
 TEST_CASE("the words of mending are told and read alike") {
@@ -35,7 +31,7 @@ TEST_CASE("the words of mending are told and read alike") {
 }
 
 TEST_CASE("what is not asked for is not done") {
-  SurfaceMesh open = test::without(ball(), [](const Vector3& p) { return p.z() > 0.8; });
+  SurfaceMesh open = test::without(ballOf(), [](const Vector3& p) { return p.z() > 0.8; });
   const auto same = mend(open, Mending::None);
   REQUIRE(same);
   CHECK(same->mesh.F == open.F);
@@ -45,7 +41,7 @@ TEST_CASE("what is not asked for is not done") {
 TEST_CASE("a large hole is capped over its border") {
   const double height = 0.5;
   const SurfaceMesh open =
-      test::without(ball(), [&](const Vector3& p) { return p.z() > 0.3 + height; });
+      test::without(ballOf(), [&](const Vector3& p) { return p.z() > 0.3 + height; });
   RunContext run;
   REQUIRE_FALSE(repairSurface(open, {.mustClose = true}, run));
   const auto r = mend(open, Mending::FillHoles);
@@ -61,7 +57,7 @@ TEST_CASE("a large hole is capped over its border") {
 }
 
 TEST_CASE("an outer hull drops inner coats, hollows and walls, and moves nothing") {
-  const SurfaceMesh outer = ball();
+  const SurfaceMesh outer = ballOf();
   const SurfaceMesh inner = test::scaled(outer, 0.8);
   const auto r =
       mend(test::together({outer, test::insideOut(inner), test::scaled(outer, 0.5)}, "shell"),
@@ -75,7 +71,7 @@ TEST_CASE("an outer hull drops inner coats, hollows and walls, and moves nothing
 }
 
 TEST_CASE("a wrap is closed, lies outside, and says truly how far") {
-  const SurfaceMesh torn = test::riddled(test::noisy(ball(), 0.01, 3), 0.03, 4);
+  const SurfaceMesh torn = test::riddled(test::noisy(ballOf(), 0.01, 3), 0.03, 4);
   const auto r = mend(torn, Mending::Wrap);
   REQUIRE(r);
   CHECK(isUncrossed(r->mesh));
@@ -94,10 +90,10 @@ TEST_CASE("a wrap is closed, lies outside, and says truly how far") {
 TEST_CASE("a wrap can be cancelled, and refuses what has no area") {
   RunContext run;
   run.cancel();
-  const auto stopped = wrapSurface(ball(), 0.01, 0.003, run);
+  const auto stopped = wrapSurface(ballOf(), 0.01, 0.003, run);
   REQUIRE_FALSE(stopped);
   CHECK(stopped.error().code == ErrorCode::Cancelled);
-  SurfaceMesh flat = ball(1);
+  SurfaceMesh flat = ballOf(1);
   flat.V.setZero();
   RunContext other;
   const auto nothing = wrapSurface(flat, 0.01, 0.003, other);
@@ -106,7 +102,7 @@ TEST_CASE("a wrap can be cancelled, and refuses what has no area") {
 }
 
 TEST_CASE("a dense surface is thinned out to what can be told apart, truly so") {
-  const SurfaceMesh dense = ball(6);  // 82 k faces
+  const SurfaceMesh dense = ballOf(6);  // 82 k faces
   RunContext run;
   const double allowed = 1e-3;
   const auto thinned = thinOut(dense, allowed, run);
@@ -120,13 +116,13 @@ TEST_CASE("a dense surface is thinned out to what can be told apart, truly so") 
   REQUIRE(apart);
   CHECK(apart->max() <= 1.2 * t.deviation);
   // Nothing to be saved on what is coarse already
-  const auto coarse = thinOut(ball(1), 1e-6, run);
+  const auto coarse = thinOut(ballOf(1), 1e-6, run);
   REQUIRE(coarse);
   CHECK_FALSE(coarse->has_value());
 }
 
 TEST_CASE("seams whose sides have different vertices are closed without moving anything") {
-  const SurfaceMesh m = ball(3);
+  const SurfaceMesh m = ballOf(3);
   const SurfaceMesh bad = test::withTJunctions(m, 9);
   RunContext run;
   const auto r = repairSurface(bad, {.mustClose = true}, run);

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "mesh/repairs.h"
 #include "support/shapes.h"
 
 using namespace ecorche;
@@ -17,14 +18,6 @@ namespace {
 std::optional<SurfaceMesh> hullOf(const SurfaceMesh& mesh) {
   RunContext run;
   return outerHull(mesh, run);
-}
-
-double volumeOf(const SurfaceMesh& m) { return signedVolume(m.V, m.F); }
-
-SurfaceMesh together(const std::vector<SurfaceMesh>& meshes) {
-  SurfaceMesh out = joined(meshes, "both");
-  out.parts.clear();
-  return out;
 }
 
 /// A ball with one vertex pushed through its far side, and beyond: a fold turned inside out.
@@ -40,7 +33,7 @@ SurfaceMesh pierced() {
 
 TEST_CASE("an outer hull of one ball in another is the outer one") {
   const auto outer = test::sphere({0, 0, 0}, 1.0, 3);
-  const auto hull = hullOf(together({outer, test::sphere({0.1, 0, 0}, 0.4, 2)}));
+  const auto hull = hullOf(onePart({outer, test::sphere({0.1, 0, 0}, 0.4, 2)}));
   REQUIRE(hull);
   CHECK(hull->F.rows() == outer.F.rows());
   CHECK(volumeOf(*hull) == Approx(volumeOf(outer)).epsilon(1e-12));
@@ -50,7 +43,7 @@ TEST_CASE("an outer hull keeps cavities") {
   auto inner = test::sphere({0.1, 0, 0}, 0.4, 2);
   inner.F.col(1).swap(inner.F.col(2));
   const auto outer = test::sphere({0, 0, 0}, 1.0, 3);
-  const auto hull = hullOf(together({outer, inner}));
+  const auto hull = hullOf(onePart({outer, inner}));
   REQUIRE(hull);
   CHECK(volumeOf(*hull) == Approx(volumeOf(outer) + volumeOf(inner)).epsilon(1e-12));
 }
@@ -66,7 +59,7 @@ TEST_CASE("two boxes that cross: the volume of their union, to rounding") {
         (Vector3(1, 1, 1).cwiseMin(by + Vector3(1.1, 0.9, 1.2)) - Vector3::Zero().cwiseMax(by))
             .cwiseMax(0.0);
     INFO("shifted by " << by.transpose());
-    const auto hull = hullOf(together({a, b}));
+    const auto hull = hullOf(onePart({a, b}));
     REQUIRE(hull);
     CHECK(isUncrossed(*hull));
     CHECK(volumeOf(*hull) == Approx(1.0 + 1.1 * 0.9 * 1.2 - overlap.prod()).epsilon(1e-12));
@@ -79,7 +72,7 @@ TEST_CASE("balls pushed into one another: nothing of the hull lies inside a ball
   for (int trial = 0; trial < 10; ++trial) {
     const auto a = test::sphere({0, 0, 0}, 0.7, 2);
     const auto b = test::sphere({shift(random), shift(random), shift(random)}, 0.5, 2);
-    const auto hull = hullOf(together({a, b}));
+    const auto hull = hullOf(onePart({a, b}));
     REQUIRE(hull);
     CHECK(isUncrossed(*hull));
     const SurfaceQuery inA(a);
@@ -138,7 +131,7 @@ TEST_CASE("sheets that meet in a point nearer than doubles can tell: a hull, or 
       }
       boxes.push_back(box);
     }
-    const SurfaceMesh all = together(boxes);
+    const SurfaceMesh all = onePart(boxes);
     std::optional<SurfaceMesh> hull;
     REQUIRE_NOTHROW(hull = hullOf(all));
     if (hull) CHECK(isUncrossed(*hull));

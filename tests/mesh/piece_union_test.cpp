@@ -5,27 +5,18 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "mesh/repairs.h"
 #include "support/shapes.h"
 
 using namespace ecorche;
 using namespace ecorche::mesh;
-
-namespace {
-
-SurfaceMesh together(const std::vector<SurfaceMesh>& meshes) {
-  SurfaceMesh out = joined(meshes, "pieces");
-  out.parts.clear();
-  return out;
-}
-
-}  // namespace
 
 TEST_CASE("pieces that lie upon one another: their union, where an outer hull gives up") {
   // Unit cubes in a row, each leaning on the last with half of a side
   std::vector<SurfaceMesh> cubes;
   for (int i = 0; i < 9; ++i)
     cubes.push_back(test::box({1.0 * i, 0.5 * (i % 2), 0}, {1.0 * i + 1, 0.5 * (i % 2) + 1, 1}));
-  const SurfaceMesh row = together(cubes);
+  const SurfaceMesh row = onePart(cubes);
   RunContext run;
   CHECK_FALSE(outerHull(row, run));
   const auto sum = pieceUnion(row, run);
@@ -43,10 +34,10 @@ TEST_CASE("the union of crossing pieces is their outer hull, in whatever order t
     for (int i = 0; i < 6; ++i)
       balls.push_back(test::sphere({place(random), place(random), place(random)}, 0.6, 2));
     RunContext run;
-    const auto hull = outerHull(together(balls), run);
-    const auto sum = pieceUnion(together(balls), run);
+    const auto hull = outerHull(onePart(balls), run);
+    const auto sum = pieceUnion(onePart(balls), run);
     std::ranges::reverse(balls);
-    const auto reversed = pieceUnion(together(balls), run);
+    const auto reversed = pieceUnion(onePart(balls), run);
     REQUIRE(hull);
     REQUIRE(sum);
     REQUIRE(reversed);
@@ -61,8 +52,8 @@ TEST_CASE("no union for one piece, for a hollow, after a cancel") {
   CHECK_FALSE(pieceUnion(test::box({0, 0, 0}, {1, 1, 1}), run));
   auto hollow = test::box({0.2, 0.2, 0.2}, {0.8, 0.8, 0.8});
   hollow.F.col(1).swap(hollow.F.col(2));
-  CHECK_FALSE(pieceUnion(together({test::box({0, 0, 0}, {1, 1, 1}), hollow}), run));
+  CHECK_FALSE(pieceUnion(onePart({test::box({0, 0, 0}, {1, 1, 1}), hollow}), run));
   run.cancel();
-  CHECK_FALSE(pieceUnion(
-      together({test::box({0, 0, 0}, {1, 1, 1}), test::box({1, 0, 0}, {2, 1, 1})}), run));
+  CHECK_FALSE(
+      pieceUnion(onePart({test::box({0, 0, 0}, {1, 1, 1}), test::box({1, 0, 0}, {2, 1, 1})}), run));
 }

@@ -2,6 +2,7 @@
 #include <ecorche/mesh/weld.h>
 #include <ecorche/mesh/write_mesh.h>
 
+#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
 #include <limits>

@@ -23,6 +23,12 @@ inline bool repaired(const RepairedSurface& r, const std::string& kind) {
   });
 }
 
+// nullptr: there is none of that kind.
+inline const Finding* findingOf(const RepairedSurface& r, const std::string& kind) {
+  const auto at = std::ranges::find(r.findings, kind, &Finding::kind);
+  return at == r.findings.end() ? nullptr : &*at;
+}
+
 // Sound, outward, of this volume.
 inline void checkWhole(const Result<RepairedSurface>& r, double volume) {
   REQUIRE(r);
@@ -34,6 +40,13 @@ inline void checkWhole(const Result<RepairedSurface>& r, double volume) {
 
 inline SurfaceMesh ball() { return test::sphere({0.1, 0.2, 0.3}, 1, 3); }
 inline double volumeOf(const SurfaceMesh& m) { return signedVolume(m.V, m.F); }
+
+// All of them as one part, as a file without groups has them.
+inline SurfaceMesh onePart(const std::vector<SurfaceMesh>& meshes) {
+  SurfaceMesh out = joined(meshes, "pieces");
+  out.parts.clear();
+  return out;
+}
 
 inline void dropFace(SurfaceMesh& m, Eigen::Index f) {
   m.F.row(f) = m.F.row(m.F.rows() - 1).eval();

@@ -3,6 +3,7 @@
 #include <ecorche/mesh/surface_topology.h>
 
 #include <Eigen/Geometry>
+#include <catch2/catch.hpp>
 
 #include "mesh/repairs.h"
 
@@ -26,11 +27,6 @@ SurfaceMesh sheet(const Vector3& corner, const Vector3& u, const Vector3& v, dou
     m.F.row(2 * i + 1) << 2 * i, 2 * i + 3, 2 * i + 1;
   }
   return m;
-}
-
-const Finding* findingOf(const RepairedSurface& r, const std::string& kind) {
-  const auto f = std::ranges::find(r.findings, kind, &Finding::kind);
-  return f != r.findings.end() ? &*f : nullptr;
 }
 
 SurfaceMesh named(SurfaceMesh m, const char* name) {

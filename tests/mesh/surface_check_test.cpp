@@ -4,6 +4,7 @@
 #include <ecorche/mesh/surface_topology.h>
 
 #include <Eigen/Geometry>
+#include <catch2/catch.hpp>
 #include <numbers>
 #include <random>
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <atomic>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <thread>

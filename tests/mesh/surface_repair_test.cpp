@@ -5,6 +5,7 @@
 #include <ecorche/mesh/weld.h>
 
 #include <Eigen/Geometry>
+#include <catch2/catch.hpp>
 #include <filesystem>
 #include <limits>
 #include <random>

@@ -4,6 +4,7 @@
 #include <ecorche/model/project_check.h>
 #include <ecorche/model/project_file.h>
 
+#include <catch2/catch.hpp>
 #include <numbers>
 
 #include "model/sample_project.h"
@@ -15,7 +16,7 @@ using namespace ecorche::model;
 namespace {
 
 /// What the loader says of a text, in the words that a user sees.
-Error refusal(std::string_view text) {
+Error refusalOf(std::string_view text) {
   const auto project = parseProject(text, "forearm.ecorche");
   REQUIRE_FALSE(project);
   return project.error();
@@ -95,7 +96,7 @@ TEST_CASE("saving and loading gives the same project in every unit") {
 }
 
 TEST_CASE("a muscle without a curve is named with its line and column") {
-  const Error error = refusal(R"({
+  const Error error = refusalOf(R"({
   "schema": 1, "skin": {"file": "skin.obj"},
   "tissues": [
     {"name": "triceps", "kind": "muscle", "curves": [{"points": [{"at": [0,0,0]}, {"at": [0,0,1]}]}]},
@@ -206,7 +207,7 @@ TEST_CASE("every fault of a project file has its own code and a place") {
   for (const BadCase& c : cases) {
     INFO(c.what);
     REQUIRE_FALSE((c.text.empty() && c.code != ErrorCode::FileEmpty));
-    const Error error = refusal(c.text);
+    const Error error = refusalOf(c.text);
     INFO(error.text());
     CHECK(error.code == c.code);
     CHECK(error.text().find(c.message) != std::string::npos);
@@ -215,7 +216,7 @@ TEST_CASE("every fault of a project file has its own code and a place") {
 }
 
 TEST_CASE("columns count characters, and a byte order mark is no character") {
-  const Error error = refusal(
+  const Error error = refusalOf(
       "\xEF\xBB\xBF{\"schema\": 1, \"name\": \"Écorché\", \"nom\": 1, \"skin\": {\"file\": "
       "\"s\"}}");
   CHECK(error.code == ErrorCode::UnknownKey);

@@ -1,6 +1,7 @@
 #include <ecorche/render/image.h>
 #include <png.h>
 
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
 #include <fstream>

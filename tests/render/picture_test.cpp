@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include <Eigen/Geometry>
+#include <catch2/catch.hpp>
 #include <cstdlib>
 
 #include "render/scenes.h"
@@ -24,8 +25,6 @@ Image picture(const Scene& scene, const render::Camera& camera,
   if (!image) FAIL(image.error().text());
   return *image;
 }
-
-int luminance(const Pixel& p) { return (2 * p[0] + 5 * p[1] + p[2]) / 8; }
 
 bool isBackground(const Pixel& p) { return p == Pixel{255, 255, 255, 255}; }
 
@@ -60,11 +59,11 @@ TEST_CASE("a ball is as wide as it is, round, and lit from above") {
   CHECK(std::sqrt(covered / std::numbers::pi) == Approx(radius).margin(1.0));
 
   // Light comes from above and somewhat from the left; the middle is brighter than the rim below
-  const int middle = luminance(image.at(size / 2, size / 2));
-  const int above = luminance(image.at(size / 2, size / 2 - 35));
-  const int below = luminance(image.at(size / 2, size / 2 + 45));
-  const int left = luminance(image.at(size / 2 - 40, size / 2));
-  const int right = luminance(image.at(size / 2 + 40, size / 2));
+  const int middle = test::luminance(image.at(size / 2, size / 2));
+  const int above = test::luminance(image.at(size / 2, size / 2 - 35));
+  const int below = test::luminance(image.at(size / 2, size / 2 + 45));
+  const int left = test::luminance(image.at(size / 2 - 40, size / 2));
+  const int right = test::luminance(image.at(size / 2 + 40, size / 2));
   CHECK(above > below + 20);
   CHECK(middle > below + 10);
   CHECK(left > right);
@@ -163,7 +162,7 @@ TEST_CASE("surfaces that face the eye and the lamp squarely have no dead pixels"
                         test::item(test::ball(Vector3::Zero(), 0.2), {0.6f, 0.5f, 0.4f, opacity})};
       const Image image = picture(scene, camera, test::plainOptions(64, 64));
       int dead = 0;
-      for (const Pixel& p : image.pixels) dead += luminance(p) < 40 ? 1 : 0;
+      for (const Pixel& p : image.pixels) dead += test::luminance(p) < 40 ? 1 : 0;
       INFO("round " << round << ", opacity " << opacity);
       CHECK(dead == 0);
     }
@@ -214,7 +213,8 @@ TEST_CASE("smooth normals hide facets, creases stay") {
   const auto largestStep = [](const Image& image) {
     int step = 0;
     for (int x = 60; x < 140; ++x)
-      step = std::max(step, std::abs(luminance(image.at(x, 75)) - luminance(image.at(x + 1, 75))));
+      step = std::max(
+          step, std::abs(test::luminance(image.at(x, 75)) - test::luminance(image.at(x + 1, 75))));
     return step;
   };
   CHECK(largestStep(round) <= 4);
@@ -229,9 +229,9 @@ TEST_CASE("what lies in a corner is darker than what lies open") {
   auto options = test::plainOptions(200, 200);
   options.samples = 12;
   const Image image = picture(scene, test::straightCamera(4.0), options);
-  const int beside = luminance(image.at(100 + 30, 100));
-  const int under = luminance(image.at(105, 100 + 32));
-  const int open = luminance(image.at(10, 100));
+  const int beside = test::luminance(image.at(100 + 30, 100));
+  const int under = test::luminance(image.at(105, 100 + 32));
+  const int open = test::luminance(image.at(10, 100));
   CHECK(beside < open - 5);
   CHECK(under < open - 15);
 }
@@ -304,8 +304,8 @@ TEST_CASE("the ground gets a soft shadow under the model and none far away") {
   // Just below the ball's lowest row
   int bottom = 0;
   for (int y = 0; y < 120; ++y)
-    if (luminance(image.at(100, y)) < 170) bottom = y;
-  CHECK(luminance(image.at(105, std::min(bottom + 1, 119))) < 250);
+    if (test::luminance(image.at(100, y)) < 170) bottom = y;
+  CHECK(test::luminance(image.at(105, std::min(bottom + 1, 119))) < 250);
   CHECK(isBackground(image.at(2, 60)));
 }
 

@@ -79,4 +79,7 @@ inline render::PictureOptions plainOptions(int width = 160, int height = 160) {
   return options;
 }
 
+/// 0 to 255.
+inline int luminance(const render::Pixel& p) { return (2 * p[0] + 5 * p[1] + p[2]) / 8; }
+
 }  // namespace ecorche::test

@@ -19,8 +19,6 @@ using mesh::Vector3;
 
 namespace {
 
-int luminance(const render::Pixel& p) { return (2 * p[0] + 5 * p[1] + p[2]) / 8; }
-
 render::Renderer freshRenderer() {
   auto renderer = render::Renderer::create();
   if (!renderer) FAIL(renderer.error().text());
@@ -357,8 +355,10 @@ TEST_CASE("streaks run along the flow") {
     double along = 0.0, across = 0.0;
     for (int y = 20; y < 180; ++y)
       for (int x = 20; x < 180; ++x) {
-        const int right = std::abs(luminance(image.at(x + 1, y)) - luminance(image.at(x, y)));
-        const int below = std::abs(luminance(image.at(x, y + 1)) - luminance(image.at(x, y)));
+        const int right =
+            std::abs(test::luminance(image.at(x + 1, y)) - test::luminance(image.at(x, y)));
+        const int below =
+            std::abs(test::luminance(image.at(x, y + 1)) - test::luminance(image.at(x, y)));
         along += alongX ? right : below;
         across += alongX ? below : right;
       }

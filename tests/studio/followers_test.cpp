@@ -4,6 +4,8 @@
 #include <ecorche/studio/edits.h>
 #include <ecorche/studio/muscle_list.h>
 
+#include <catch2/catch.hpp>
+
 #include "studio/hand.h"
 
 using namespace ecorche;
@@ -15,14 +17,9 @@ namespace {
 
 const MirrorPlane kAcrossX{{0.0, 0.0, 0.0}, Vector3::UnitX()};
 
-model::Project arm() {
-  return model::loadProject(std::filesystem::path(ECORCHE_SOURCE_DIR) / "examples/arm/arm.ecorche")
-      .value();
-}
-
 // A left muscle off the plane, its ends free, so that no bone pulls them
 model::Project twoSided() {
-  model::Project out = arm();
+  model::Project out = test::arm();
   model::Tissue left{.name = "flexor_L", .side = model::Side::Left};
   left.anisotropy = {2.0, 0.5, 0.3};
   left.curves.push_back(
@@ -95,7 +92,7 @@ TEST_CASE("a twin that is not there yet comes when it is asked to follow") {
 TEST_CASE("an edit and what follows it are one step, renames too; a protected twin bars it") {
   test::application();
   Session session({.tets = 30'000});
-  model::Project project = arm();
+  model::Project project = test::arm();
   project.cutPlanes.push_back(
       {"median", model::CutPlane::Kind::Symmetry, {0.0, 0.0, -10.0}, Vector3::UnitZ()});
   session.start(project, {}, true);
@@ -130,7 +127,7 @@ TEST_CASE("an edit and what follows it are one step, renames too; a protected tw
 TEST_CASE("a volume that is kept stays while values and points change, within the same step") {
   test::application();
   Session session({.tets = 30'000});
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
   const double volume = session.volumeOf("brachialis").value();
   session.keepVolume("brachialis", true);
@@ -162,7 +159,7 @@ TEST_CASE("a volume that is kept stays while values and points change, within th
 TEST_CASE("directions of fibres come when somebody looks at them, unit or none") {
   test::application();
   Session session({.tets = 30'000});
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
   CHECK(session.flow() == nullptr);
   studio::Display display = session.display();
@@ -180,7 +177,7 @@ TEST_CASE("muscles of a group stand under its name, hidden and shown together") 
   test::application();
   Session session({.tets = 30'000});
   MuscleList list(session, [](std::size_t) { return QColor(Qt::red); });
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   for (const char* name : {"anconeus", "brachialis", "triceps_brachii"})
     REQUIRE(session.perform(model::SetGroup{name, "levers"}, "group"));
   QTreeWidgetItem* group = nullptr;
@@ -193,12 +190,12 @@ TEST_CASE("muscles of a group stand under its name, hidden and shown together") 
   CHECK(muscles == std::ssize(session.project().tissues));
   REQUIRE(group != nullptr);
   CHECK(group->childCount() == 3);
-  emit list.itemClicked(group, 0);
+  Q_EMIT list.itemClicked(group, 0);
   for (const char* name : {"anconeus", "brachialis", "triceps_brachii"})
     CHECK_FALSE(session.display().showsTissue(name));
   CHECK(session.display().showsTissue("deltoid"));
-  emit list.itemClicked(group, 0);
+  Q_EMIT list.itemClicked(group, 0);
   CHECK(session.display().showsTissue("brachialis"));
-  emit list.itemClicked(group->child(1), 1);
+  Q_EMIT list.itemClicked(group->child(1), 1);
   CHECK(session.selection().tissue == group->child(1)->text(1).toStdString());
 }

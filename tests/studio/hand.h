@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ecorche/model/project_file.h>
 #include <ecorche/studio/main_window.h>
 #include <ecorche/studio/theme.h>
 
@@ -123,6 +124,12 @@ inline double changedShare(const QImage& a, const QImage& b) {
     }
   }
   return static_cast<double>(changed) / (a.width() * a.height());
+}
+
+/// The example that ships with the code.
+inline model::Project arm() {
+  const auto file = std::filesystem::path(ECORCHE_SOURCE_DIR) / "examples/arm/arm.ecorche";
+  return model::loadProject(file).value();
 }
 
 }  // namespace ecorche::test

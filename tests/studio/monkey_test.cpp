@@ -9,6 +9,7 @@
 #include <QDoubleSpinBox>
 #include <QSlider>
 #include <QTreeWidget>
+#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <random>
 
@@ -103,7 +104,7 @@ class Monkey {
       if (auto* box = any<QCheckBox>()) box->click();
     } else if (auto* box = any<QComboBox>()) {
       box->setCurrentIndex(below(box->count()));
-      emit box->activated(box->currentIndex());
+      Q_EMIT box->activated(box->currentIndex());
     }
   }
   void trigger() {

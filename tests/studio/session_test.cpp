@@ -3,23 +3,16 @@
 #include <ecorche/studio/edits.h>
 #include <ecorche/studio/kept_surfaces.h>
 
+#include <catch2/catch.hpp>
+
 #include "studio/hand.h"
 
 using namespace ecorche;
 using namespace ecorche::studio;
 using test::waitFor;
 
-namespace {
-
-model::Project arm() {
-  return model::loadProject(std::filesystem::path(ECORCHE_SOURCE_DIR) / "examples/arm/arm.ecorche")
-      .value();
-}
-
-}  // namespace
-
 TEST_CASE("only what is computed from counts as changed") {
-  const model::Project before = arm();
+  const model::Project before = test::arm();
   const auto after = [&](const model::Command& command) {
     return model::apply(before, command).value();
   };
@@ -73,7 +66,7 @@ TEST_CASE("answers belong to the newest question") {
     lastDomain = session.domain();
     lastTissues = session.tissues();
   });
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
   CHECK(domains == 1);
   CHECK(tissues == 1);
@@ -124,7 +117,7 @@ TEST_CASE("a muscle whose curve leaves the skin is told, and the others stay") {
   QObject::connect(&session, &Session::told, [&](Severity severity, const QString& text) {
     if (severity == Severity::Error) told.push_back(text.toStdString());
   });
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
   CHECK(told.empty());
   REQUIRE(session.perform(model::MovePoint{"biceps_brachii", 0, 1, {1.0, 1.0, 1.0}}, "Away"));
@@ -138,7 +131,7 @@ TEST_CASE("a muscle whose curve leaves the skin is told, and the others stay") {
 TEST_CASE("a draft is seen, and is no step until it is kept") {
   test::application();
   Session session({.tets = 30'000});
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   const model::Project before = session.project();
   const model::Command thin = model::SetPointValue{"deltoid", 0, 0, 0.5};
   const model::Command thick = model::SetPointValue{"deltoid", 0, 0, 2.5};
@@ -164,7 +157,7 @@ TEST_CASE("a draft is seen, and is no step until it is kept") {
 TEST_CASE("what cut planes take away is neither shown nor under the hand") {
   test::application();
   Session session({.tets = 30'000});
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
   const auto whole = keptSurfaces(session.meshes(), {}, session.domain());
   CHECK_FALSE(whole.resampled);
@@ -175,7 +168,7 @@ TEST_CASE("what cut planes take away is neither shown nor under the hand") {
   (box.hi - box.lo).maxCoeff(&axis);
   const model::CutPlane plane{"edge", model::CutPlane::Kind::Region, 0.5 * (box.lo + box.hi),
                               mesh::Vector3::Unit(axis)};
-  model::Project half = arm();
+  model::Project half = test::arm();
   std::erase_if(half.tissues, [](const model::Tissue& t) { return t.hasCurves(); });
   half.cutPlanes.push_back(plane);
   session.start(half, {}, true);
@@ -216,7 +209,7 @@ TEST_CASE("what cut planes take away is neither shown nor under the hand") {
 TEST_CASE("a muscle gets the volume that is asked for, as one step") {
   test::application();
   Session session({.tets = 30'000});
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
   const model::Project before = session.project();
   REQUIRE(session.setVolume("brachialis", 150e-6));
@@ -237,7 +230,7 @@ TEST_CASE("fields follow a curve under the hand, and are exact once it rests") {
   const double lambda3 = GENERATE(1.0, 0.6);
   INFO("lambda 3: " << lambda3);
   Session session({.tets = 30'000});
-  model::Project project = arm();
+  model::Project project = test::arm();
   project.tissues[*model::findTissue(project, "brachialis")].anisotropy.lambda3 = lambda3;
   session.start(std::move(project), {}, true);
   REQUIRE(waitFor([&] { return session.isSettled(); }));
@@ -288,7 +281,7 @@ TEST_CASE("fields follow a curve under the hand, and are exact once it rests") {
 TEST_CASE("acts on what is selected") {
   test::application();
   Session session({.tets = 30'000});
-  session.start(arm(), {}, true);
+  session.start(test::arm(), {}, true);
   const auto tissue = [&](const std::string& name) {
     return session.project().tissues[model::findTissue(session.project(), name).value()];
   };

@@ -1,6 +1,7 @@
 #include <ecorche/model/project_file.h>
 #include <ecorche/studio/spread_gizmo.h>
 
+#include <catch2/catch.hpp>
 #include <numbers>
 
 #include "studio/hand.h"

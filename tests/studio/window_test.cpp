@@ -9,6 +9,7 @@
 #include <QProcess>
 #include <QPushButton>
 #include <QTreeWidget>
+#include <catch2/catch.hpp>
 
 #include <ecorche/studio/spread_gizmo.h>
 

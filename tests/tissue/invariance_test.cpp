@@ -22,7 +22,7 @@ namespace {
 Domain limb() { return test::cylinderDomain(1.0, 2.0, 14, 21); }
 
 // Three muscles, one of two heads, one anisotropic, and a filler
-std::vector<CurveTissue> tissues() {
+std::vector<CurveTissue> threeTissues() {
   CurveTissue biceps = muscle("biceps", {{0.5, 0.1, 0.1}, {0.6, 0.0, 1.0}, {0.4, -0.1, 1.9}}, 1.2);
   biceps.curves.push_back(
       muscle("", {{0.3, 0.4, 0.1}, {0.45, 0.3, 1.0}, {0.4, 0.0, 1.8}}).curves[0]);
@@ -32,16 +32,6 @@ std::vector<CurveTissue> tissues() {
   CurveTissue filler = muscle("belly", {{0.0, -0.5, 0.5}, {0.0, -0.5, 1.5}});
   filler.filler = true;
   return {biceps, triceps, filler};
-}
-
-TissueFields solved(const Domain& domain, const std::vector<CurveTissue>& list,
-                    const TissueOptions& options = {}) {
-  RunContext run;
-  const auto cores = traceCurves(domain, list, options, run);
-  REQUIRE(cores.has_value());
-  auto fields = solveTissueFields(domain, *cores, list, options, run);
-  REQUIRE(fields.has_value());
-  return std::move(*fields);
 }
 
 std::vector<CurveTissue> movedTissues(std::vector<CurveTissue> list, const Eigen::Matrix3d& R,
@@ -66,9 +56,9 @@ bool sameBytes(const FieldMatrix& a, const FieldMatrix& b) {
 TEST_CASE("a model 1024 times as large has the same fields to the last bit") {
   const Domain small = limb();
   const Domain large = test::moved(small, Eigen::Matrix3d::Identity(), 1024.0, Vector3::Zero());
-  const auto a = solved(small, tissues());
-  const auto b =
-      solved(large, movedTissues(tissues(), Eigen::Matrix3d::Identity(), 1024.0, Vector3::Zero()));
+  const auto a = test::solved(small, threeTissues());
+  const auto b = test::solved(
+      large, movedTissues(threeTissues(), Eigen::Matrix3d::Identity(), 1024.0, Vector3::Zero()));
   CHECK((a.values - b.values).cwiseAbs().maxCoeff() < 1e-12);
   const auto va = tissueVolumes(small.mesh, a);
   const auto vb = tissueVolumes(large.mesh, b);
@@ -80,15 +70,16 @@ TEST_CASE("fields travel with a model that is turned and moved") {
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(1.1, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
   const Vector3 shift(3.0, -7.0, 2.0);
-  const auto a = solved(limb(), tissues());
-  const auto b = solved(test::moved(limb(), R, 1.0, shift), movedTissues(tissues(), R, 1.0, shift));
+  const auto a = test::solved(limb(), threeTissues());
+  const auto b =
+      test::solved(test::moved(limb(), R, 1.0, shift), movedTissues(threeTissues(), R, 1.0, shift));
   CHECK((a.values - b.values).cwiseAbs().maxCoeff() < 1e-7);
 }
 
 TEST_CASE("permuting the muscles permutes the fields") {
-  const auto list = tissues();
-  const auto a = solved(limb(), list);
-  const auto b = solved(limb(), {list[2], list[0], list[1]});
+  const auto list = threeTissues();
+  const auto a = test::solved(limb(), list);
+  const auto b = test::solved(limb(), {list[2], list[0], list[1]});
   CHECK((a.values.col(0) - b.values.col(0)).cwiseAbs().maxCoeff() < 1e-12);
   CHECK((a.values.col(1) - b.values.col(2)).cwiseAbs().maxCoeff() < 1e-12);
   CHECK((a.values.col(2) - b.values.col(3)).cwiseAbs().maxCoeff() < 1e-12);
@@ -96,18 +87,18 @@ TEST_CASE("permuting the muscles permutes the fields") {
 }
 
 TEST_CASE("fields are linear in tissue values, and nobody else's") {
-  auto list = tissues();
+  auto list = threeTissues();
   list[1].curves[0].values = {1.0, 0.25, 0.5};
-  const auto a = solved(limb(), list);
+  const auto a = test::solved(limb(), list);
   list[1].curves[0].values = {0.5, 2.0, 1.0};
-  const auto b = solved(limb(), list);
+  const auto b = test::solved(limb(), list);
   list[1].curves[0].values = {2.5, 6.25, 3.5};  // a + 3 b
-  const auto c = solved(limb(), list);
+  const auto c = test::solved(limb(), list);
   CHECK((a.values.col(2) + 3.0 * b.values.col(2) - c.values.col(2)).cwiseAbs().maxCoeff() < 1e-11);
   CHECK((a.values.col(1) - c.values.col(1)).cwiseAbs().maxCoeff() < 1e-12);
   TissueOptions fatter;
   fatter.fat = 0.6;
-  const auto d = solved(limb(), list, fatter);
+  const auto d = test::solved(limb(), list, fatter);
   CHECK((d.values.col(0) - 2.0 * c.values.col(0)).cwiseAbs().maxCoeff() < 1e-12);
 }
 
@@ -115,7 +106,7 @@ TEST_CASE("without fat, fat is no candidate and takes no volume") {
   TissueOptions options;
   options.fat = 0.0;
   const Domain domain = limb();
-  const auto fields = solved(domain, tissues(), options);
+  const auto fields = test::solved(domain, threeTissues(), options);
   CHECK_FALSE(fields.fatIsCandidate);
   const auto volume = tissueVolumes(domain.mesh, fields);
   CHECK(volume[0] == 0.0);
@@ -125,9 +116,9 @@ TEST_CASE("without fat, fat is no candidate and takes no volume") {
 TEST_CASE("every muscle holds its own curves, and fields keep to their range on sound tets") {
   const Domain domain = limb();
   RunContext run;
-  const auto cores = traceCurves(domain, tissues(), {}, run);
+  const auto cores = traceCurves(domain, threeTissues(), {}, run);
   REQUIRE(cores.has_value());
-  const auto fields = solveTissueFields(domain, *cores, tissues(), {}, run);
+  const auto fields = solveTissueFields(domain, *cores, threeTissues(), {}, run);
   REQUIRE(fields.has_value());
   std::map<TissueId, double> inside;
   std::map<TissueId, double> total;
@@ -136,7 +127,7 @@ TEST_CASE("every muscle holds its own curves, and fields keep to their range on 
     if (ownerAt(domain.mesh, *fields, s.tet, s.barycentric) == s.tissue)
       inside[s.tissue] += s.length;
   }
-  CHECK(total.size() == tissues().size());
+  CHECK(total.size() == threeTissues().size());
   for (const auto& [tissue, length] : total) CHECK(inside[tissue] > 0.95 * length);
   CHECK(fields->undershoot < 0.01);
   CHECK(fields->overshoot < 0.01);
@@ -145,16 +136,16 @@ TEST_CASE("every muscle holds its own curves, and fields keep to their range on 
 }
 
 TEST_CASE("the same bytes come out of every run, on one thread and on two") {
-  const auto a = solved(limb(), tissues());
+  const auto a = test::solved(limb(), threeTissues());
   for (const int threads : {1, 2, 1, 2}) {
     const ThreadLimit limit(threads);
-    CHECK(sameBytes(a.values, solved(limb(), tissues()).values));
+    CHECK(sameBytes(a.values, test::solved(limb(), threeTissues()).values));
   }
 }
 
 TEST_CASE("a factor on all threads agrees to rounding") {
-  const auto a = solved(limb(), tissues());
-  const auto b = solved(limb(), tissues(), {.factorThreads = 0});
+  const auto a = test::solved(limb(), threeTissues());
+  const auto b = test::solved(limb(), threeTissues(), {.factorThreads = 0});
   CHECK((a.values - b.values).cwiseAbs().maxCoeff() < 1e-12);
 }
 
@@ -185,13 +176,13 @@ TEST_CASE("a part of the domain that nothing holds is an error with its place") 
 
   // A curve through it holds it
   const std::vector<CurveTissue> two{one[0], muscle("n", {{5.2, 0.5, 0.5}, {5.8, 0.5, 0.5}})};
-  const auto held = solved(domain, two);
+  const auto held = test::solved(domain, two);
   CHECK(held.values.col(2).maxCoeff() == Approx(1.0).epsilon(1e-6));
 }
 
 TEST_CASE("slivers are capped and reported, and the rest of the field stays what it was") {
   Domain domain = limb();
-  const auto before = solved(domain, tissues());
+  const auto before = test::solved(domain, threeTissues());
   // Flatten one tet away from the curves: pull a corner into the plane of the other three
   Eigen::Index t = 0;
   while (mesh::Vector3(domain.mesh.V(domain.mesh.T.row(t), Eigen::all).colwise().mean().transpose())
@@ -206,7 +197,7 @@ TEST_CASE("slivers are capped and reported, and the rest of the field stays what
           .transpose() /
       3.0;
   domain.mesh.V.row(domain.mesh.T(t, 0)) = flat.transpose();
-  const auto after = solved(domain, tissues());
+  const auto after = test::solved(domain, threeTissues());
   REQUIRE_FALSE(after.findings.empty());
   CHECK(after.findings[0].kind == "sliver-energy");
   CHECK(after.values.allFinite());
@@ -216,14 +207,14 @@ TEST_CASE("slivers are capped and reported, and the rest of the field stays what
 TEST_CASE("cancelled before or while solving, the answer is Cancelled") {
   const Domain domain = limb();
   RunContext calm;
-  const auto cores = traceCurves(domain, tissues(), {}, calm);
+  const auto cores = traceCurves(domain, threeTissues(), {}, calm);
   REQUIRE(cores.has_value());
   RunContext* running = nullptr;
   RunContext run([&](std::string_view stage, double fraction) {
     if (stage == "tissue fields" && fraction >= 0.5) running->cancel();
   });
   running = &run;
-  const auto fields = solveTissueFields(domain, *cores, tissues(), {}, run);
+  const auto fields = solveTissueFields(domain, *cores, threeTissues(), {}, run);
   REQUIRE_FALSE(fields.has_value());
   CHECK(fields.error().code == ErrorCode::Cancelled);
   RunContext before;
@@ -238,7 +229,7 @@ TEST_CASE("curves traced from what is kept are those traced afresh, to the last 
   const CurveWalker walker(domain);
   RunContext run;
   KeptTraces kept;
-  auto list = tissues();
+  auto list = threeTissues();
   TissueOptions options;
   const auto same = [](const CoreSamples& a, const CoreSamples& b) {
     REQUIRE(a.samples.size() == b.samples.size());

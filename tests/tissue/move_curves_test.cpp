@@ -19,7 +19,7 @@ using test::muscle;
 
 namespace {
 
-std::vector<CurveTissue> tissues() {
+std::vector<CurveTissue> fourMuscles() {
   CurveTissue biceps = muscle("biceps", {{0.5, 0.1, 0.1}, {0.6, 0.0, 1.0}, {0.4, -0.1, 1.9}}, 1.2);
   biceps.curves.push_back(
       muscle("", {{0.3, 0.4, 0.1}, {0.45, 0.3, 1.0}, {0.4, 0.0, 1.8}}).curves[0]);
@@ -31,7 +31,7 @@ std::vector<CurveTissue> tissues() {
 // A domain with curves in it, and what it takes to solve them anew
 struct Scene {
   std::shared_ptr<const domain::Domain> domain;
-  std::vector<CurveTissue> list = tissues();
+  std::vector<CurveTissue> list = fourMuscles();
   TissueOptions options;
   std::shared_ptr<const TissueSolver> solver;
   std::shared_ptr<const CurveWalker> walker;
@@ -70,7 +70,7 @@ double off(const ValueFields& dragged, const TissueFields& fresh) {
   return (dragged.fields().values - fresh.values).cwiseAbs().maxCoeff() / fresh.maxValue;
 }
 
-std::int64_t wrongOwners(const ValueFields& dragged, const TissueFields& fresh) {
+std::int64_t ownersThatDiffer(const ValueFields& dragged, const TissueFields& fresh) {
   const auto right = vertexOwners(fresh);
   std::int64_t wrong = 0;
   for (std::size_t v = 0; v < right.size(); ++v) wrong += right[v] != dragged.owners()[v];
@@ -123,7 +123,7 @@ TEST_CASE("fields under the hand are those of a solve from scratch, to two perce
     // The change is seen at all: most of it would be too much
     CHECK((fresh.values - before).cwiseAbs().maxCoeff() > 0.05 * fresh.maxValue);
     CHECK(off(dragged, fresh) < 0.02);
-    CHECK(wrongOwners(dragged, fresh) <= 1 + fresh.values.rows() / 200);
+    CHECK(ownersThatDiffer(dragged, fresh) <= 1 + fresh.values.rows() / 200);
     CHECK(changed.error < 0.02);
   }
   // Nothing piles up: at the start everything is as it was but for the same error
@@ -230,7 +230,7 @@ TEST_CASE("an anisotropic field follows its own curve, and its medium with it") 
     INFO("frame " << frame);
     CHECK((before.col(1) - fresh.values.col(1)).cwiseAbs().maxCoeff() > 0.05 * fresh.maxValue);
     CHECK(off(dragged, fresh) < 0.02);
-    CHECK(wrongOwners(dragged, fresh) <= 1 + fresh.values.rows() / 200);
+    CHECK(ownersThatDiffer(dragged, fresh) <= 1 + fresh.values.rows() / 200);
   }
   // Nothing piles up
   (void)dragged.moveCurves({{{0, 1}, scene.list[0].curves[1].spline}});

@@ -17,7 +17,7 @@ using test::muscle;
 namespace {
 
 // Two heads, an anisotropic one, a filler, and more than are kept ready
-std::vector<CurveTissue> tissues() {
+std::vector<CurveTissue> sixTissues() {
   CurveTissue biceps = muscle("biceps", {{0.5, 0.1, 0.1}, {0.6, 0.0, 1.0}, {0.4, -0.1, 1.9}}, 1.2);
   biceps.curves.push_back(
       muscle("", {{0.3, 0.4, 0.1}, {0.45, 0.3, 1.0}, {0.4, 0.0, 1.8}}).curves[0]);
@@ -58,7 +58,7 @@ TEST_CASE("fields after any edits of values and fat are those of a solve from sc
   const auto domain =
       std::make_shared<const domain::Domain>(test::cylinderDomain(1.0, 2.0, 12, 18));
   RunContext run;
-  auto list = tissues();
+  auto list = sixTissues();
   TissueOptions options;
   options.fat = seed == 2 ? 0.0 : 0.3;
   const auto solver =
@@ -140,7 +140,7 @@ TEST_CASE("equal fields are owned as everywhere else") {
 TEST_CASE("a cancelled touch changes nothing") {
   const auto domain = std::make_shared<const domain::Domain>(test::cylinderDomain(1.0, 2.0, 8, 12));
   RunContext run;
-  const auto list = tissues();
+  const auto list = sixTissues();
   const auto solver =
       std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
   const auto cores = traceCurves(*domain, list, {}, run).value();
@@ -160,7 +160,7 @@ TEST_CASE("one tissue's volume is that of all tissues' volumes") {
   for (const double fat : {0.0, 0.3}) {
     RunContext run;
     const TissueOptions options{.fat = fat};
-    const auto list = tissues();
+    const auto list = sixTissues();
     const auto cores = traceCurves(*domain, list, options, run).value();
     const auto fields = solveTissueFields(*domain, cores, list, options, run).value();
     const auto all = tissueVolumes(domain->mesh, fields);
@@ -176,7 +176,7 @@ TEST_CASE("a tissue gets the volume that is asked for, or a sentence says what i
   const auto domain =
       std::make_shared<const domain::Domain>(test::cylinderDomain(1.0, 2.0, 10, 15));
   RunContext run;
-  const auto list = tissues();
+  const auto list = sixTissues();
   const auto solver =
       std::make_shared<const TissueSolver>(std::move(TissueSolver::create(*domain, run).value()));
   const auto cores = traceCurves(*domain, list, {}, run).value();

@@ -24,16 +24,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-TissueFields solved(const Domain& domain, const std::vector<CurveTissue>& tissues,
-                    const TissueOptions& options) {
-  RunContext run;
-  const auto cores = traceCurves(domain, tissues, options, run);
-  REQUIRE(cores.has_value());
-  auto fields = solveTissueFields(domain, *cores, tissues, options, run);
-  REQUIRE(fields.has_value());
-  return std::move(*fields);
-}
-
 // A core of radius ρ at distance e from the axis of a cylinder of radius R, f = 0 on its side: the
 // image of the line in the side's circle gives the field, the resistance 1/(πβ) and the logarithm
 // its strength.
@@ -63,7 +53,7 @@ TEST_CASE("a curve in a cylinder has the field of the exact logarithm, on coarse
           TissueOptions options;
           options.coreRadius = exact.rho;
           const Eigen::Vector2d at = exact.e * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-          const auto fields = solved(
+          const auto fields = test::solved(
               domain, {muscle("m", {{at.x(), at.y(), -0.1}, {at.x(), at.y(), 0.9}})}, options);
           double scale = 0.0;
           double worst = 0.0;
@@ -256,7 +246,7 @@ TEST_CASE("the rim of a core reads the line's field at its own radius once tets 
 TEST_CASE(
     "fat between spheres is d_fat everywhere without a muscle's pull, and less near a curve") {
   const Domain shell = test::shellDomain(0.4, 1.0, 8);
-  const auto fields = solved(shell, {muscle("m", {{0.7, 0, 0}, {0.6, 0.3, 0.1}})}, {});
+  const auto fields = test::solved(shell, {muscle("m", {{0.7, 0, 0}, {0.6, 0.3, 0.1}})}, {});
   CHECK(fields.values.col(0).maxCoeff() <= 0.3 * (1.0 + 1e-9));
   for (Eigen::Index v = 0; v < shell.mesh.V.rows(); ++v) {
     if (shell.onSkin[std::size_t(v)] != 0) {

@@ -2,6 +2,7 @@
 // arm at 200 k tets, which ctest builds before (fixture "arm").
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 
 #include "support/program.h"
 #include "support/python.h"

@@ -6,6 +6,7 @@
 #include <ecorche/model/project_file.h>
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <map>
 #include <utility>
 

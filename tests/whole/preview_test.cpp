@@ -6,6 +6,7 @@
 #include <ecorche/render/ray_caster.h>
 #include <ecorche/render/renderer.h>
 
+#include <catch2/catch.hpp>
 #include <tuple>
 
 #include "support/paths.h"

@@ -4,6 +4,7 @@
 #include <ecorche/model/project_file.h>
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
 

@@ -26,7 +26,7 @@ constexpr double kThreeCurves = 0.7;  // a fan wider than this gets a curve in i
 constexpr double kOffTheRow = 1.5;    // spacings of a row; a bone nearer than that is one of it
 constexpr double kOnlyOnce = 1.5;     // what "one bone here, a row of bones there" counts more
 
-constexpr double kApartRel = 0.25;  // of the diagonal, between two muscles of one name
+constexpr double kNamesakesApartRel = 0.25;  // of the diagonal, between two muscles of one name
 
 double meanToNearest(const Places& from, const Places& to, const std::vector<Vector3>& at) {
   double sum = 0.0;
@@ -229,7 +229,7 @@ std::vector<MuscleSites> partedMuscles(const std::vector<MuscleSites>& table, do
     if (at.size() < 4) continue;
     const Ends ends = endsOf(muscle.sites, at, unknown);
     const double gap = gapBetween(ends, at);
-    if (gap < kApartRel * diagonal) continue;
+    if (gap < kNamesakesApartRel * diagonal) continue;
     const auto isMuscle = [&](const Places& places) {
       constexpr double kLong = 0.35;  // of the gap between the two
       std::vector<AttachmentSite> sites;

@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/domain/crossing_watch.h>
 
 #include <algorithm>
@@ -8,8 +9,6 @@ namespace ecorche::domain {
 namespace {
 
 using mesh::FaceCorners;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 mesh::Box boxOf(const FaceCorners& face) {
   const auto& [a, b, c] = face.at;
@@ -25,8 +24,8 @@ CrossingWatch::CrossingWatch(const TaggedSurface& surface) : tree_(mesh::boundin
 }
 
 void CrossingWatch::put(std::int32_t face, const FaceCorners& corners) {
-  if (at(face) >= faces_.size()) faces_.resize(at(face) + 1);
-  faces_[at(face)] = corners;
+  if (toIndex(face) >= faces_.size()) faces_.resize(toIndex(face) + 1);
+  faces_[toIndex(face)] = corners;
   // Faces without area meet nothing, as in mesh::selfIntersections
   if (!mesh::isDegenerate(corners)) tree_.add(face, boxOf(corners));
 }
@@ -38,7 +37,7 @@ int CrossingWatch::meeting(std::span<const FaceCorners> faces, const SurfaceStep
     if (mesh::isDegenerate(faces[i])) continue;
     tree_.visit(boxOf(faces[i]), [&](std::int32_t other) {
       if (std::ranges::find(step.before, other) == step.before.end())
-        count += mesh::facesMeet(faces[i], faces_[at(other)]) ? 1 : 0;
+        count += mesh::facesMeet(faces[i], faces_[toIndex(other)]) ? 1 : 0;
       return count >= limit;
     });
     for (std::size_t j = 0; j < i && count < limit; ++j) {
@@ -55,7 +54,7 @@ bool CrossingWatch::allows(const SurfaceStep& step) const {
   std::vector<FaceCorners> before;
   // After a split the step takes away faces that were never laid
   for (const std::int32_t face : step.before) {
-    if (tree_.holds(face)) before.push_back(faces_[at(face)]);
+    if (tree_.holds(face)) before.push_back(faces_[toIndex(face)]);
   }
   const int now = meeting(before, step, std::numeric_limits<int>::max());
   return now > 0 && meeting(after, step, now + 1) <= now;

@@ -30,9 +30,9 @@ constexpr double kSliverBoundDeg = 8.0;  // no limit of time: the same tets ever
 
 // Mesh_3 asks for circumradii, of a regular tet and of a regular triangle of edge 1; it takes them
 // for bounds, and its tets come out smaller by this much on average (measured on balls)
-constexpr double kSlack = 1.37;
-constexpr double kTetRadius = 0.612 * kSlack;
-constexpr double kTriangleRadius = 0.577 * kSlack;
+constexpr double kBoundOverSize = 1.37;
+constexpr double kTetRadius = 0.612 * kBoundOverSize;
+constexpr double kTriangleRadius = 0.577 * kBoundOverSize;
 
 /// The wanted length times a factor, in the form that Mesh_3 asks for it.
 struct Size {

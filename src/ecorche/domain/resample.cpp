@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/domain/carried_samples.h>
 #include <ecorche/domain/crossing_watch.h>
 #include <ecorche/domain/half_edges.h>
@@ -19,8 +20,6 @@ using mesh::Vector3;
 namespace {
 
 constexpr double kSharpDeg = 60.0;  // ridges bent by more than this stay ridges
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// 1 for an equilateral triangle, 0 for one without area.
 double quality(const Vector3& a, const Vector3& b, const Vector3& c) {
@@ -74,12 +73,12 @@ class Resampler {
     tolerance_.push_back(options_.tolerance(p));
     watched_.push_back(options_.watched && options_.watched(p));
   }
-  const Vector3& pos(std::int32_t v) const { return position_[at(v)]; }
+  const Vector3& pos(std::int32_t v) const { return position_[toIndex(v)]; }
   double length(std::int32_t h) const { return (pos(he_.to(h)) - pos(he_.from(h))).norm(); }
   double wanted(std::int32_t h) const {
-    return std::min(wanted_[at(he_.to(h))], wanted_[at(he_.from(h))]);
+    return std::min(wanted_[toIndex(he_.to(h))], wanted_[toIndex(he_.from(h))]);
   }
-  bool isFeature(std::int32_t h) const { return feature_[at(h / 2)] != 0; }
+  bool isFeature(std::int32_t h) const { return feature_[toIndex(h / 2)] != 0; }
   Vector3 normal(std::int32_t h) const {
     const Vector3& a = pos(he_.from(h));
     return (pos(he_.to(h)) - a).cross(pos(he_.apex(h)) - a);
@@ -89,12 +88,12 @@ class Resampler {
   // scan.
   void findFeatures() {
     const double sharp = std::cos(kSharpDeg * std::numbers::pi / 180.0);
-    feature_.assign(at(he_.halfEdgeCount() / 2), 0);
+    feature_.assign(toIndex(he_.halfEdgeCount() / 2), 0);
     std::vector<std::int32_t> ridges;
     for (std::int32_t h = 0; h < he_.halfEdgeCount(); h += 2) {
       const std::int32_t o = HalfEdges::opposite(h);
       if (he_.tag(h) != he_.tag(o)) {
-        feature_[at(h / 2)] = 1;
+        feature_[toIndex(h / 2)] = 1;
         continue;
       }
       const Vector3 n = normal(h);
@@ -106,7 +105,7 @@ class Resampler {
     freedom_.assign(position_.size(), Freedom::Surface);
     std::vector<std::array<std::int32_t, 2>> segments;
     for (std::int32_t v = 0; v < he_.vertexCount(); ++v) {
-      if (he_.vertexAlive(v)) freedom_[at(v)] = freedomOf(v);
+      if (he_.vertexAlive(v)) freedom_[toIndex(v)] = freedomOf(v);
     }
     for (std::int32_t h = 0; h < he_.halfEdgeCount(); h += 2) {
       if (isFeature(h)) segments.push_back({he_.from(h), he_.to(h)});
@@ -126,14 +125,14 @@ class Resampler {
     std::vector<std::int32_t> root(position_.size());
     for (std::size_t v = 0; v < root.size(); ++v) root[v] = static_cast<std::int32_t>(v);
     const auto find = [&](std::int32_t v) {
-      while (root[at(v)] != v) v = root[at(v)] = root[at(root[at(v)])];
+      while (root[toIndex(v)] != v) v = root[toIndex(v)] = root[toIndex(root[toIndex(v)])];
       return v;
     };
-    for (const std::int32_t h : ridges) root[at(find(he_.from(h)))] = find(he_.to(h));
+    for (const std::int32_t h : ridges) root[toIndex(find(he_.from(h)))] = find(he_.to(h));
     std::vector<double> total(position_.size(), 0.0);
-    for (const std::int32_t h : ridges) total[at(find(he_.from(h)))] += length(h);
+    for (const std::int32_t h : ridges) total[toIndex(find(he_.from(h)))] += length(h);
     for (const std::int32_t h : ridges) {
-      if (total[at(find(he_.from(h)))] > 6.0 * wanted(h)) feature_[at(h / 2)] = 1;
+      if (total[toIndex(find(he_.from(h)))] > 6.0 * wanted(h)) feature_[toIndex(h / 2)] = 1;
     }
   }
 
@@ -152,7 +151,8 @@ class Resampler {
 
   Vector3 ontoPlaneOf(std::int32_t tag, const Vector3& p) const {
     const BoundaryTag what = unpacked(tag);
-    return what.kind == BoundaryTag::Kind::CutPlane ? ontoPlane(cutPlanes_[at(what.index)], p) : p;
+    return what.kind == BoundaryTag::Kind::CutPlane ? ontoPlane(cutPlanes_[toIndex(what.index)], p)
+                                                    : p;
   }
   Vector3 ontoSurface(std::int32_t tag, const Vector3& p) const {
     return ontoPlaneOf(tag, trees_.at(tag).closest(p).point);
@@ -221,7 +221,7 @@ class Resampler {
   bool isWatched(const SurfaceStep& step) const {
     return watch_ && std::ranges::any_of(step.after, [&](const NewFace& face) {
              return std::ranges::any_of(face.corners.vertex,
-                                        [&](std::int32_t v) { return watched_[at(v)] != 0; });
+                                        [&](std::int32_t v) { return watched_[toIndex(v)] != 0; });
            });
   }
   bool takeAround(std::int32_t v, const Vector3& p) {
@@ -272,8 +272,8 @@ class Resampler {
         takeAnyway();
       }
       freedom_.push_back(curve ? Freedom::Curve : Freedom::Surface);
-      feature_.resize(at(he_.halfEdgeCount() / 2), 0);
-      feature_[at(second / 2)] = curve;
+      feature_.resize(toIndex(he_.halfEdgeCount() / 2), 0);
+      feature_[toIndex(second / 2)] = curve;
       // Both halves, and the new spokes, may still be long
       for (const std::int32_t x : {h & ~1, firstNew, firstNew + 2, firstNew + 4}) look(x);
     }
@@ -317,8 +317,8 @@ class Resampler {
   bool mayCollapse(std::int32_t h) const {
     const std::int32_t v = he_.from(h);
     const std::int32_t w = he_.to(h);
-    if (freedom_[at(v)] == Freedom::None) return false;
-    if (freedom_[at(v)] == Freedom::Curve && !isFeature(h)) return false;
+    if (freedom_[toIndex(v)] == Freedom::None) return false;
+    if (freedom_[toIndex(v)] == Freedom::Curve && !isFeature(h)) return false;
     if (!he_.canCollapse(h)) return false;
     // Two curves must not become one
     const std::int32_t c = he_.next(he_.next(h));
@@ -326,14 +326,14 @@ class Resampler {
     if ((isFeature(c) && isFeature(he_.next(h))) || (isFeature(d) && isFeature(he_.next(d)))) {
       return false;
     }
-    const double tolerance = std::min(tolerance_[at(v)], tolerance_[at(w)]);
+    const double tolerance = std::min(tolerance_[toIndex(v)], tolerance_[toIndex(w)]);
     bool good = true;
     double nearest2 = std::numeric_limits<double>::infinity();
     he_.forOutgoing(v, [&](std::int32_t x) {
       if (!good) return;
       const std::int32_t u = he_.to(x);
-      if (u != w &&
-          (pos(u) - pos(w)).norm() > 4.0 / 3.0 * std::min(wanted_[at(u)], wanted_[at(w)])) {
+      if (u != w && (pos(u) - pos(w)).norm() >
+                        4.0 / 3.0 * std::min(wanted_[toIndex(u)], wanted_[toIndex(w)])) {
         good = false;
         return;
       }
@@ -360,8 +360,8 @@ class Resampler {
     const std::int32_t p0 = he_.next(n0);
     const std::int32_t m0 = he_.next(HalfEdges::opposite(h));
     const std::int32_t q0 = he_.next(m0);
-    feature_[at(n0 / 2)] |= feature_[at(p0 / 2)];
-    feature_[at(q0 / 2)] |= feature_[at(m0 / 2)];
+    feature_[toIndex(n0 / 2)] |= feature_[toIndex(p0 / 2)];
+    feature_[toIndex(q0 / 2)] |= feature_[toIndex(m0 / 2)];
     he_.collapse(h);
   }
 
@@ -385,8 +385,8 @@ class Resampler {
       const bool better =
           (gain > 0 && after > std::min(0.5, before)) || after > 1.2 * before + 0.02;
       if (!better || (gain < 0 && before > 0.6) || !he_.canFlip(h)) continue;
-      const double tolerance =
-          std::min({tolerance_[at(a)], tolerance_[at(b)], tolerance_[at(c)], tolerance_[at(d)]});
+      const double tolerance = std::min({tolerance_[toIndex(a)], tolerance_[toIndex(b)],
+                                         tolerance_[toIndex(c)], tolerance_[toIndex(d)]});
       if (!mayReplace(he_.tag(h), {pos(a), pos(b), pos(c)}, {pos(d), pos(c), pos(a)}, tolerance) ||
           !mayReplace(he_.tag(h), {pos(b), pos(a), pos(d)}, {pos(c), pos(d), pos(b)}, tolerance)) {
         continue;
@@ -401,21 +401,22 @@ class Resampler {
   // Vertices to the weighted centre of their neighbours, on the surface or along the curve
   void relax() {
     for (std::int32_t v = 0; v < he_.vertexCount(); ++v) {
-      if (!he_.vertexAlive(v) || freedom_[at(v)] == Freedom::None) continue;
-      const Vector3 p = freedom_[at(v)] == Freedom::Curve ? relaxedOnCurve(v) : relaxedOnSurface(v);
+      if (!he_.vertexAlive(v) || freedom_[toIndex(v)] == Freedom::None) continue;
+      const Vector3 p =
+          freedom_[toIndex(v)] == Freedom::Curve ? relaxedOnCurve(v) : relaxedOnSurface(v);
       if (p == pos(v)) continue;
       bool good = true;
       he_.forOutgoing(v, [&](std::int32_t x) {
         const Vector3& b = pos(he_.to(x));
         const Vector3& a = pos(he_.apex(x));
-        good = good && mayReplace(he_.tag(x), {pos(v), b, a}, {p, b, a}, tolerance_[at(v)]);
-        if (good && isFeature(x)) good = curves_.within(0.5 * (p + b), tolerance_[at(v)]);
+        good = good && mayReplace(he_.tag(x), {pos(v), b, a}, {p, b, a}, tolerance_[toIndex(v)]);
+        if (good && isFeature(x)) good = curves_.within(0.5 * (p + b), tolerance_[toIndex(v)]);
       });
       if (!good || !takeAround(v, p)) continue;
-      position_[at(v)] = p;
-      wanted_[at(v)] = options_.edgeLength(p);
-      tolerance_[at(v)] = options_.tolerance(p);
-      watched_[at(v)] = options_.watched && options_.watched(p);
+      position_[toIndex(v)] = p;
+      wanted_[toIndex(v)] = options_.edgeLength(p);
+      tolerance_[toIndex(v)] = options_.tolerance(p);
+      watched_[toIndex(v)] = options_.watched && options_.watched(p);
     }
   }
 
@@ -426,7 +427,7 @@ class Resampler {
     he_.forOutgoing(v, [&](std::int32_t x) {
       const Vector3 m = normal(x);
       const Vector3 centre = (pos(v) + pos(he_.to(x)) + pos(he_.apex(x))) / 3.0;
-      const double h = wanted_[at(he_.to(x))];
+      const double h = wanted_[toIndex(he_.to(x))];
       const double share = m.norm() / (h * h);
       sum += share * centre;
       weight += share;

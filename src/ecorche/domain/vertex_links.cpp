@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/domain/vertex_links.h>
 
@@ -8,8 +9,6 @@
 namespace ecorche::domain {
 
 namespace {
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// Groups of tets around v that share faces with v in them, as a group number per entry of
 /// `around`.
@@ -94,8 +93,8 @@ std::optional<Eigen::Index> firstSingularVertex(const mesh::TetMesh& mesh,
   const auto incident = mesh::vertexTets(mesh.T, mesh.V.rows());
   std::atomic<std::int64_t> first{mesh.V.rows()};
   parallelFor(mesh.V.rows(), [&](std::int64_t v) {
-    const auto begin = at(incident.first[at(v)]);
-    const auto count = at(incident.first[at(v + 1)]) - begin;
+    const auto begin = toIndex(incident.first[toIndex(v)]);
+    const auto count = toIndex(incident.first[toIndex(v + 1)]) - begin;
     if (count == 0 || linkIsSphereOrDisc(mesh.T, neighbours, static_cast<std::int32_t>(v),
                                          incident.tet.data() + begin, count)) {
       return;

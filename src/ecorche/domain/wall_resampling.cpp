@@ -16,9 +16,9 @@ namespace {
 using mesh::Vector3;
 
 // Shares of the tolerance
-constexpr double kSlack = 0.5;      // for new triangles against the old surface
-constexpr double kLoss = 0.75;      // for points of the old surface that are carried along
-constexpr double kAccepted = 0.85;  // for all points of the old surface, in the end
+constexpr double kShareOfTolerance = 0.5;  // for new triangles against the old surface
+constexpr double kLoss = 0.75;             // for points of the old surface that are carried along
+constexpr double kAccepted = 0.85;         // for all points of the old surface, in the end
 constexpr int kRounds = 8;
 constexpr double kReach = 2.0;  // edges over which a stricter place wears off
 constexpr double kWatch = 2.0;  // edges around a tight place within which no faces may cross
@@ -67,7 +67,7 @@ Result<WallResampling> resampleWalls(const TaggedSurface& surface,
     const auto share = [&](const Vector3& p) { return std::pow(factor.at(p), 1.5) * tolerance; };
     const ResampleOptions how{
         .edgeLength = [&](const Vector3& p) { return factor.at(p) * scale * sizing.at(p); },
-        .tolerance = [&](const Vector3& p) { return kSlack * share(p); },
+        .tolerance = [&](const Vector3& p) { return kShareOfTolerance * share(p); },
         .loss = [&](const Vector3& p) { return kLoss * share(p); },
         .spacing = kSampleSpacing * tolerance,
         .watched = [&](const Vector3& p) { return tight.contains(p); }};

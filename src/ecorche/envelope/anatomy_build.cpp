@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/children.h>
 #include <ecorche/envelope/envelope.h>
 #include <ecorche/envelope/islands.h>
@@ -12,8 +13,6 @@
 namespace ecorche::envelope {
 namespace {
 
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 std::map<domain::BoundaryTag, double> areaByTag(const mesh::Positions& V, const mesh::Triangles& F,
                                                 const std::vector<domain::BoundaryTag>& tag) {
   std::map<domain::BoundaryTag, double> area;
@@ -21,7 +20,7 @@ std::map<domain::BoundaryTag, double> areaByTag(const mesh::Positions& V, const 
     const mesh::Vector3 a = V.row(F(f, 0)).transpose();
     const mesh::Vector3 b = V.row(F(f, 1)).transpose();
     const mesh::Vector3 c = V.row(F(f, 2)).transpose();
-    area[tag[at(f)]] += 0.5 * (b - a).cross(c - a).norm();
+    area[tag[toIndex(f)]] += 0.5 * (b - a).cross(c - a).norm();
   }
   return area;
 }
@@ -34,14 +33,14 @@ std::int64_t carryBoundary(const domain::Domain& domain, const Envelope& envelop
                           envelope.origin);
   std::vector<Face> faces;
   for (Eigen::Index b = 0; b < domain.boundaryF.rows(); ++b) {
-    const std::int32_t parent = domain.boundaryTet[at(b)];
+    const std::int32_t parent = domain.boundaryTet[toIndex(b)];
     Face own{domain.boundaryF(b, 0), domain.boundaryF(b, 1), domain.boundaryF(b, 2)};
     std::ranges::sort(own);
     int across = 0;
     while (across < 4 && sortedFace(domain.mesh.T, parent, across) != own) ++across;
     EC_REQUIRE(across < 4);
-    for (std::int32_t c = envelope.firstChild[at(parent)]; c < envelope.firstChild[at(parent) + 1];
-         ++c) {
+    for (std::int32_t c = envelope.firstChild[toIndex(parent)];
+         c < envelope.firstChild[toIndex(parent) + 1]; ++c) {
       for (int k = 0; k < 4; ++k) {
         if (envelope.neighbours(c, k) >= 0) continue;
         if (ancestry.face(parent, sortedFace(envelope.mesh.T, c, k)) != across) continue;
@@ -49,13 +48,14 @@ std::int64_t carryBoundary(const domain::Domain& domain, const Envelope& envelop
         faces.push_back(
             {envelope.mesh.T(c, f[0]), envelope.mesh.T(c, f[1]), envelope.mesh.T(c, f[2])});
         out.boundaryTet.push_back(c);
-        out.boundaryTag.push_back(domain.boundaryTag[at(b)]);
+        out.boundaryTag.push_back(domain.boundaryTag[toIndex(b)]);
       }
     }
   }
   out.boundaryF.resize(static_cast<Eigen::Index>(faces.size()), 3);
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    for (int c = 0; c < 3; ++c) out.boundaryF(static_cast<Eigen::Index>(f), c) = faces[f][at(c)];
+    for (int c = 0; c < 3; ++c)
+      out.boundaryF(static_cast<Eigen::Index>(f), c) = faces[f][toIndex(c)];
   }
   return (envelope.neighbours.array() < 0).count() - static_cast<std::int64_t>(faces.size());
 }

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/splitting.h>
 
 #include <algorithm>
@@ -15,8 +16,6 @@ namespace {
 using mesh::kTetEdge;
 using mesh::kTetFace;
 using mesh::Tets;
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// 0 … 3: the tet's face opposite that corner; 4 + column: an owner.
 using Wall = std::int32_t;
@@ -42,7 +41,7 @@ struct Facet {
 class CellComplex {
  public:
   CellComplex(const Tets& T, const Diagram& d, std::int32_t x)
-      : tet_(d.mixed[at(d.complex[at(x)])]) {
+      : tet_(d.mixed[toIndex(d.complex[toIndex(x)])]) {
     addPoints(T, d, x);
     addFacets();
     orient();
@@ -69,38 +68,38 @@ class CellComplex {
 };
 
 void CellComplex::addPoints(const Tets& T, const Diagram& d, std::int32_t x) {
-  const std::int32_t m = d.complex[at(x)];
+  const std::int32_t m = d.complex[toIndex(x)];
   for (int c = 0; c < 4; ++c) {
     Point p{T(tet_, c), {}};
     for (int f = 0, n = 0; f < 4; ++f) {
-      if (f != c) p.wall[at(n++)] = f;
+      if (f != c) p.wall[toIndex(n++)] = f;
     }
-    p.wall[3] = wallOf(d.owner[at(p.id)]);
+    p.wall[3] = wallOf(d.owner[toIndex(p.id)]);
     points_.push_back(p);
   }
   for (int e = 0; e < 6; ++e) {
-    const std::int32_t edge = d.mixedEdges[at(m)][at(e)];
+    const std::int32_t edge = d.mixedEdges[toIndex(m)][toIndex(e)];
     if (edge < 0) continue;
-    for (std::int32_t c = d.edgeFirst[at(edge)]; c < d.edgeFirst[at(edge) + 1]; ++c) {
+    for (std::int32_t c = d.edgeFirst[toIndex(edge)]; c < d.edgeFirst[toIndex(edge) + 1]; ++c) {
       Point p{d.edgePointId(c), {}};
       for (int f = 0, n = 0; f < 4; ++f) {
-        if (f != kTetEdge[e][0] && f != kTetEdge[e][1]) p.wall[at(n++)] = f;
+        if (f != kTetEdge[e][0] && f != kTetEdge[e][1]) p.wall[toIndex(n++)] = f;
       }
       p.wall[2] = wallOf(d.labelBefore(edge, c));
-      p.wall[3] = wallOf(d.labelAfter[at(c)]);
+      p.wall[3] = wallOf(d.labelAfter[toIndex(c)]);
       points_.push_back(p);
     }
   }
   for (int f = 0; f < 4; ++f) {
-    const std::int32_t face = d.complexFaces[at(x)][at(f)];
+    const std::int32_t face = d.complexFaces[toIndex(x)][toIndex(f)];
     if (face < 0) continue;
-    for (std::int32_t i = d.faceFirst[at(face)]; i < d.faceFirst[at(face) + 1]; ++i) {
-      const Triple& tied = d.facePoints[at(i)];
+    for (std::int32_t i = d.faceFirst[toIndex(face)]; i < d.faceFirst[toIndex(face) + 1]; ++i) {
+      const Triple& tied = d.facePoints[toIndex(i)];
       points_.push_back({d.facePointId(i), {f, wallOf(tied[0]), wallOf(tied[1]), wallOf(tied[2])}});
     }
   }
-  for (std::int32_t i = d.tetFirst[at(x)]; i < d.tetFirst[at(x) + 1]; ++i) {
-    const Quad& tied = d.tetPoints[at(i)];
+  for (std::int32_t i = d.tetFirst[toIndex(x)]; i < d.tetFirst[toIndex(x) + 1]; ++i) {
+    const Quad& tied = d.tetPoints[toIndex(i)];
     points_.push_back(
         {d.tetPointId(i), {wallOf(tied[0]), wallOf(tied[1]), wallOf(tied[2]), wallOf(tied[3])}});
   }
@@ -138,13 +137,13 @@ std::vector<std::int32_t> CellComplex::loopOf(Wall inner, Wall outer) const {
   std::vector<std::int32_t> loop{members.front()};
   Wall along = -1;
   while (true) {
-    const Point& here = points_[at(loop.back())];
+    const Point& here = points_[toIndex(loop.back())];
     Wall next = -1;
     for (const Wall w : here.wall) {
       if (w != inner && w != outer && w != along) next = w;
     }
     const auto there = std::ranges::find_if(
-        members, [&](std::int32_t i) { return i != loop.back() && points_[at(i)].on(next); });
+        members, [&](std::int32_t i) { return i != loop.back() && points_[toIndex(i)].on(next); });
     EC_REQUIRE(there != members.end());
     if (*there == loop.front()) break;
     loop.push_back(*there);
@@ -185,7 +184,7 @@ void CellComplex::orientCell(Wall owner) {
       for (std::size_t i = 0; i < known->loop.size(); ++i) {
         const std::int32_t p = known->loop[i];
         const std::int32_t q = known->loop[(i + 1) % known->loop.size()];
-        if (!points_[at(p)].on(beyond) || !points_[at(q)].on(beyond)) continue;
+        if (!points_[toIndex(p)].on(beyond) || !points_[toIndex(q)].on(beyond)) continue;
         if (runs(*known, owner, p, q) == runs(*f, owner, p, q)) std::ranges::reverse(f->loop);
         f->oriented = true;
         front.push_back(f);
@@ -202,7 +201,7 @@ void CellComplex::orient() {
   const auto seed = std::ranges::find_if(
       facets_, [&](const Facet& f) { return f.inner == start && f.outer == kBottom; });
   const auto place = std::ranges::find(seed->loop, 0) - seed->loop.begin();
-  const Point& next = points_[at(seed->loop[at(place + 1) % seed->loop.size()])];
+  const Point& next = points_[toIndex(seed->loop[toIndex(place + 1) % seed->loop.size()])];
   // What follows corner 0 must lie on edge 0 2, which is on faces 1 and 3
   if (!next.on(1)) std::ranges::reverse(seed->loop);
   seed->oriented = true;
@@ -233,7 +232,7 @@ void CellComplex::pullCell(Wall owner, std::vector<SubTet>& out) const {
   for (const Facet& f : facets_) {
     if (f.inner != owner && f.outer != owner) continue;
     loop.clear();
-    for (const std::int32_t i : f.loop) loop.push_back(points_[at(i)].id);
+    for (const std::int32_t i : f.loop) loop.push_back(points_[toIndex(i)].id);
     if (f.outer == owner) std::ranges::reverse(loop);
     std::ranges::rotate(loop, std::ranges::min_element(loop));
     if (std::ranges::find(loop, apex) != loop.end()) continue;

@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/children.h>
 #include <ecorche/envelope/collect.h>
 
@@ -9,8 +10,6 @@ namespace {
 
 using mesh::kTetFace;
 using mesh::Tets;
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 struct ChildFace {
   Face face;
@@ -31,7 +30,8 @@ void linkSiblings(const Split& split, std::int32_t parent, mesh::TetNeighbours& 
                   std::vector<ChildFace>& left) {
   thread_local std::vector<ChildFace> faces;
   faces.clear();
-  for (std::int32_t c = split.firstChild[at(parent)]; c < split.firstChild[at(parent) + 1]; ++c) {
+  for (std::int32_t c = split.firstChild[toIndex(parent)];
+       c < split.firstChild[toIndex(parent) + 1]; ++c) {
     for (int k = 0; k < 4; ++k) faces.push_back({sortedFace(split.T, c, k), 4 * c + k, -1});
   }
   std::ranges::sort(faces);
@@ -59,7 +59,7 @@ unsigned Ancestry::support(std::int32_t parent, std::int32_t vertex) const {
   };
   if (vertex < vertexCount_) return bit(vertex);
   unsigned mask = 0;
-  for (const std::int32_t corner : origin_[at(vertex - vertexCount_)].corner) {
+  for (const std::int32_t corner : origin_[toIndex(vertex - vertexCount_)].corner) {
     if (corner >= 0) mask |= bit(corner);
   }
   return mask;
@@ -87,19 +87,20 @@ ChildAdjacency linkChildren(const Tets& T, const mesh::TetNeighbours& neighbours
   N.setConstant(split.T.rows(), 4, -1);
 
   // Inside each mixed parent; what is left lies on the parent's faces
-  std::vector<std::int32_t> mixedOf(at(T.rows()), -1);
-  parallelFor(static_cast<std::int64_t>(d.mixed.size()),
-              [&](std::int64_t m) { mixedOf[at(d.mixed[at(m)])] = static_cast<std::int32_t>(m); });
+  std::vector<std::int32_t> mixedOf(toIndex(T.rows()), -1);
+  parallelFor(static_cast<std::int64_t>(d.mixed.size()), [&](std::int64_t m) {
+    mixedOf[toIndex(d.mixed[toIndex(m)])] = static_cast<std::int32_t>(m);
+  });
   std::vector<std::int32_t> outerFirst(d.mixed.size(), 0);
   const auto outer = collect<ChildFace>(
       static_cast<std::int64_t>(d.mixed.size()),
       [&](std::int64_t m, auto& all) {
-        const std::int32_t t = d.mixed[at(m)];
+        const std::int32_t t = d.mixed[toIndex(m)];
         const std::size_t before = all.size();
         linkSiblings(split, t, N, all);
         for (std::size_t i = before; i < all.size(); ++i)
           all[i].across = ancestry.face(t, all[i].face);
-        outerFirst[at(m)] = static_cast<std::int32_t>(all.size() - before);
+        outerFirst[toIndex(m)] = static_cast<std::int32_t>(all.size() - before);
       },
       256);
   prefixSum(outerFirst);
@@ -109,18 +110,18 @@ ChildAdjacency linkChildren(const Tets& T, const mesh::TetNeighbours& neighbours
   parallelFor(
       static_cast<std::int64_t>(d.mixed.size()),
       [&](std::int64_t m) {
-        for (std::int32_t i = outerFirst[at(m)]; i < outerFirst[at(m) + 1]; ++i) {
-          const ChildFace& own = outer[at(i)];
+        for (std::int32_t i = outerFirst[toIndex(m)]; i < outerFirst[toIndex(m) + 1]; ++i) {
+          const ChildFace& own = outer[toIndex(i)];
           if (own.across < 0) {
             ++unmatched;
             continue;
           }
-          const std::int32_t beyond = neighbours(d.mixed[at(m)], own.across);
+          const std::int32_t beyond = neighbours(d.mixed[toIndex(m)], own.across);
           if (beyond < 0) continue;
           std::int32_t& link = N(own.slot / 4, own.slot % 4);
-          if (const std::int32_t other = mixedOf[at(beyond)]; other >= 0) {
-            const auto begin = outer.begin() + outerFirst[at(other)];
-            const auto end = outer.begin() + outerFirst[at(other) + 1];
+          if (const std::int32_t other = mixedOf[toIndex(beyond)]; other >= 0) {
+            const auto begin = outer.begin() + outerFirst[toIndex(other)];
+            const auto end = outer.begin() + outerFirst[toIndex(other) + 1];
             const auto found =
                 std::lower_bound(begin, end, own.face,
                                  [](const ChildFace& f, const Face& key) { return f.face < key; });
@@ -130,7 +131,7 @@ ChildAdjacency linkChildren(const Tets& T, const mesh::TetNeighbours& neighbours
             }
           } else if (const int k = cornerNotIn(T, beyond, own.face); std::ranges::all_of(
                          own.face, [&](auto v) { return (T.row(beyond).array() == v).any(); })) {
-            link = split.firstChild[at(beyond)];
+            link = split.firstChild[toIndex(beyond)];
             N(link, k) = own.slot / 4;
             continue;
           }
@@ -141,11 +142,11 @@ ChildAdjacency linkChildren(const Tets& T, const mesh::TetNeighbours& neighbours
 
   // Parents that stayed whole, among themselves
   parallelFor(T.rows(), [&](std::int64_t t) {
-    if (mixedOf[at(t)] >= 0) return;
+    if (mixedOf[toIndex(t)] >= 0) return;
     for (int k = 0; k < 4; ++k) {
       const std::int32_t beyond = neighbours(t, k);
-      if (beyond >= 0 && mixedOf[at(beyond)] < 0)
-        N(split.firstChild[at(t)], k) = split.firstChild[at(beyond)];
+      if (beyond >= 0 && mixedOf[toIndex(beyond)] < 0)
+        N(split.firstChild[toIndex(t)], k) = split.firstChild[toIndex(beyond)];
     }
   });
   out.unmatchedFaces = unmatched;

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/collect.h>
 #include <ecorche/envelope/diagram.h>
 #include <ecorche/envelope/simplex_diagram.h>
@@ -16,8 +17,6 @@ using mesh::kTetEdge;
 using mesh::kTetFace;
 using mesh::Tets;
 using tissue::FieldMatrix;
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// The largest field at a vertex, ties by rank; -1 where one of them is not finite.
 std::int32_t ownerOfVertex(const FieldMatrix& fields, const Candidates& candidates,
@@ -56,48 +55,48 @@ void addUnique(std::vector<std::int32_t>& sorted, std::int32_t value) {
 
 /// Step 3: every mixed edge once, found by counting edges per lower vertex.
 void listEdges(const Tets& T, Diagram& d) {
-  std::vector<std::int32_t> first(at(d.vertexCount()), 0);
+  std::vector<std::int32_t> first(toIndex(d.vertexCount()), 0);
   const auto forMixedEdges = [&](const auto& visit) {
     for (const std::int32_t t : d.mixed) {
       for (int e = 0; e < 6; ++e) {
         const Edge edge = edgeOf(T, t, e);
-        if (d.owner[at(edge[0])] != d.owner[at(edge[1])]) visit(edge);
+        if (d.owner[toIndex(edge[0])] != d.owner[toIndex(edge[1])]) visit(edge);
       }
     }
   };
-  forMixedEdges([&](const Edge& edge) { ++first[at(edge[0])]; });
+  forMixedEdges([&](const Edge& edge) { ++first[toIndex(edge[0])]; });
   prefixSum(first);
   std::vector<std::int32_t> next(first.begin(), first.end() - 1);
-  std::vector<std::int32_t> upper(at(first.back()));
-  forMixedEdges([&](const Edge& edge) { upper[at(next[at(edge[0])]++)] = edge[1]; });
+  std::vector<std::int32_t> upper(toIndex(first.back()));
+  forMixedEdges([&](const Edge& edge) { upper[toIndex(next[toIndex(edge[0])]++)] = edge[1]; });
 
   // The same edge was met from every tet around it
-  std::vector<std::int32_t> edgesFrom(at(d.vertexCount()), 0);
+  std::vector<std::int32_t> edgesFrom(toIndex(d.vertexCount()), 0);
   parallelFor(d.vertexCount(), [&](std::int64_t v) {
-    const auto begin = upper.begin() + first[at(v)];
-    const auto end = upper.begin() + first[at(v) + 1];
+    const auto begin = upper.begin() + first[toIndex(v)];
+    const auto end = upper.begin() + first[toIndex(v) + 1];
     std::sort(begin, end);
-    edgesFrom[at(v)] = static_cast<std::int32_t>(std::unique(begin, end) - begin);
+    edgesFrom[toIndex(v)] = static_cast<std::int32_t>(std::unique(begin, end) - begin);
   });
   prefixSum(edgesFrom);
-  d.edges.resize(at(edgesFrom.back()));
+  d.edges.resize(toIndex(edgesFrom.back()));
   parallelFor(d.vertexCount(), [&](std::int64_t v) {
-    for (std::int32_t e = edgesFrom[at(v)]; e < edgesFrom[at(v) + 1]; ++e) {
-      d.edges[at(e)] = {static_cast<std::int32_t>(v),
-                        upper[at(first[at(v)] + e - edgesFrom[at(v)])]};
+    for (std::int32_t e = edgesFrom[toIndex(v)]; e < edgesFrom[toIndex(v) + 1]; ++e) {
+      d.edges[toIndex(e)] = {static_cast<std::int32_t>(v),
+                             upper[toIndex(first[toIndex(v)] + e - edgesFrom[toIndex(v)])]};
     }
   });
 
   d.mixedEdges.resize(d.mixed.size());
   parallelFor(static_cast<std::int64_t>(d.mixed.size()), [&](std::int64_t m) {
     for (int e = 0; e < 6; ++e) {
-      const Edge edge = edgeOf(T, d.mixed[at(m)], e);
+      const Edge edge = edgeOf(T, d.mixed[toIndex(m)], e);
       std::int32_t index = -1;
-      if (d.owner[at(edge[0])] != d.owner[at(edge[1])]) {
-        index = edgesFrom[at(edge[0])];
-        while (d.edges[at(index)][1] != edge[1]) ++index;
+      if (d.owner[toIndex(edge[0])] != d.owner[toIndex(edge[1])]) {
+        index = edgesFrom[toIndex(edge[0])];
+        while (d.edges[toIndex(index)][1] != edge[1]) ++index;
       }
-      d.mixedEdges[at(m)][at(e)] = index;
+      d.mixedEdges[toIndex(m)][toIndex(e)] = index;
     }
   });
 }
@@ -107,30 +106,31 @@ void crossEdges(const FieldMatrix& fields, const Candidates& candidates, Diagram
   const auto edgeCount = static_cast<std::int64_t>(d.edges.size());
   d.edgeFirst.assign(d.edges.size(), 1);
   const auto between = collect<std::int32_t>(edgeCount, [&](std::int64_t e, auto& out) {
-    const Edge& edge = d.edges[at(e)];
-    const std::int32_t i = d.owner[at(edge[0])];
-    const std::int32_t j = d.owner[at(edge[1])];
+    const Edge& edge = d.edges[toIndex(e)];
+    const std::int32_t i = d.owner[toIndex(edge[0])];
+    const std::int32_t j = d.owner[toIndex(edge[1])];
     // Nearly always nothing else comes near the crossing
     if (fieldsNotBelowCrossing(fields, edge[0], edge[1], i, j, candidates.first()) == 2) return;
     const auto owners = ownersBetween(fields, candidates, edge, i, j);
-    d.edgeFirst[at(e)] += static_cast<std::int32_t>(owners.size());
+    d.edgeFirst[toIndex(e)] += static_cast<std::int32_t>(owners.size());
     out.insert(out.end(), owners.begin(), owners.end());
   });
   prefixSum(d.edgeFirst);
-  d.labelAfter.resize(at(d.edgeFirst.back()));
+  d.labelAfter.resize(toIndex(d.edgeFirst.back()));
   auto next = between.begin();
   for (std::int64_t e = 0; e < edgeCount; ++e) {
-    const std::int32_t last = d.edgeFirst[at(e) + 1] - 1;
-    for (std::int32_t c = d.edgeFirst[at(e)]; c < last; ++c) d.labelAfter[at(c)] = *next++;
-    d.labelAfter[at(last)] = d.owner[at(d.edges[at(e)][1])];
+    const std::int32_t last = d.edgeFirst[toIndex(e) + 1] - 1;
+    for (std::int32_t c = d.edgeFirst[toIndex(e)]; c < last; ++c)
+      d.labelAfter[toIndex(c)] = *next++;
+    d.labelAfter[toIndex(last)] = d.owner[toIndex(d.edges[toIndex(e)][1])];
   }
 }
 
 /// Owners on some edges of a mixed tet, ascending.
 void addOwnersOnEdge(const Diagram& d, std::int32_t e, std::vector<std::int32_t>& owners) {
-  addUnique(owners, d.owner[at(d.edges[at(e)][0])]);
-  for (std::int32_t c = d.edgeFirst[at(e)]; c < d.edgeFirst[at(e) + 1]; ++c) {
-    addUnique(owners, d.labelAfter[at(c)]);
+  addUnique(owners, d.owner[toIndex(d.edges[toIndex(e)][0])]);
+  for (std::int32_t c = d.edgeFirst[toIndex(e)]; c < d.edgeFirst[toIndex(e) + 1]; ++c) {
+    addUnique(owners, d.labelAfter[toIndex(c)]);
   }
 }
 
@@ -147,16 +147,16 @@ void findComplexTets(Diagram& d) {
           }
           if (count < 3) owners[count++] = owner;
         };
-        for (const std::int32_t e : d.mixedEdges[at(m)]) {
+        for (const std::int32_t e : d.mixedEdges[toIndex(m)]) {
           if (e < 0) continue;
-          see(d.owner[at(d.edges[at(e)][0])]);
-          for (std::int32_t c = d.edgeFirst[at(e)]; c < d.edgeFirst[at(e) + 1]; ++c)
-            see(d.labelAfter[at(c)]);
+          see(d.owner[toIndex(d.edges[toIndex(e)][0])]);
+          for (std::int32_t c = d.edgeFirst[toIndex(e)]; c < d.edgeFirst[toIndex(e) + 1]; ++c)
+            see(d.labelAfter[toIndex(c)]);
         }
         if (count > 2) out.push_back(static_cast<std::int32_t>(m));
       });
   for (std::size_t x = 0; x < d.complex.size(); ++x) {
-    d.complexOf[at(d.complex[x])] = static_cast<std::int32_t>(x);
+    d.complexOf[toIndex(d.complex[x])] = static_cast<std::int32_t>(x);
   }
 }
 
@@ -164,7 +164,7 @@ void findComplexTets(Diagram& d) {
 std::vector<std::int32_t> ownersAroundFace(const Diagram& d, std::int32_t m, int k) {
   std::vector<std::int32_t> owners;
   for (int e = 0; e < 6; ++e) {
-    const std::int32_t edge = d.mixedEdges[at(m)][at(e)];
+    const std::int32_t edge = d.mixedEdges[toIndex(m)][toIndex(e)];
     if (edge >= 0 && kTetEdge[e][0] != k && kTetEdge[e][1] != k) addOwnersOnEdge(d, edge, owners);
   }
   return owners;
@@ -183,10 +183,10 @@ void crossFaces(const Tets& T, const FieldMatrix& fields, const Candidates& cand
   auto slots = collect<Slot>(
       static_cast<std::int64_t>(d.complex.size()),
       [&](std::int64_t x, auto& out) {
-        const std::int32_t m = d.complex[at(x)];
+        const std::int32_t m = d.complex[toIndex(x)];
         for (int k = 0; k < 4; ++k) {
           if (ownersAroundFace(d, m, k).size() < 3) continue;
-          out.push_back({faceOf(T, d.mixed[at(m)], k), static_cast<std::int32_t>(4 * x + k)});
+          out.push_back({faceOf(T, d.mixed[toIndex(m)], k), static_cast<std::int32_t>(4 * x + k)});
         }
       },
       64);
@@ -198,15 +198,17 @@ void crossFaces(const Tets& T, const FieldMatrix& fields, const Candidates& cand
       d.faces.push_back(s.face);
       anySlot.push_back(s.slot);
     }
-    d.complexFaces[at(s.slot / 4)][at(s.slot % 4)] = static_cast<std::int32_t>(d.faces.size()) - 1;
+    d.complexFaces[toIndex(s.slot / 4)][toIndex(s.slot % 4)] =
+        static_cast<std::int32_t>(d.faces.size()) - 1;
   }
   d.faceFirst.assign(d.faces.size(), 0);
   d.facePoints = collect<Triple>(
       static_cast<std::int64_t>(d.faces.size()),
       [&](std::int64_t f, auto& out) {
-        auto seen = ownersAroundFace(d, d.complex[at(anySlot[at(f)] / 4)], anySlot[at(f)] % 4);
-        const auto points = pointsOfFace(fields, candidates, d.faces[at(f)], seen);
-        d.faceFirst[at(f)] = static_cast<std::int32_t>(points.size());
+        auto seen = ownersAroundFace(d, d.complex[toIndex(anySlot[toIndex(f)] / 4)],
+                                     anySlot[toIndex(f)] % 4);
+        const auto points = pointsOfFace(fields, candidates, d.faces[toIndex(f)], seen);
+        d.faceFirst[toIndex(f)] = static_cast<std::int32_t>(points.size());
         out.insert(out.end(), points.begin(), points.end());
       },
       64);
@@ -216,13 +218,13 @@ void crossFaces(const Tets& T, const FieldMatrix& fields, const Candidates& cand
 /// Owners on the boundary of a tet with three or more, ascending.
 std::vector<std::int32_t> ownersOnBoundary(const Diagram& d, std::int32_t x) {
   std::vector<std::int32_t> owners;
-  for (const std::int32_t e : d.mixedEdges[at(d.complex[at(x)])]) {
+  for (const std::int32_t e : d.mixedEdges[toIndex(d.complex[toIndex(x)])]) {
     if (e >= 0) addOwnersOnEdge(d, e, owners);
   }
-  for (const std::int32_t f : d.complexFaces[at(x)]) {
+  for (const std::int32_t f : d.complexFaces[toIndex(x)]) {
     if (f < 0) continue;
-    for (std::int32_t p = d.faceFirst[at(f)]; p < d.faceFirst[at(f) + 1]; ++p) {
-      for (const std::int32_t column : d.facePoints[at(p)]) addUnique(owners, column);
+    for (std::int32_t p = d.faceFirst[toIndex(f)]; p < d.faceFirst[toIndex(f) + 1]; ++p) {
+      for (const std::int32_t column : d.facePoints[toIndex(p)]) addUnique(owners, column);
     }
   }
   return owners;
@@ -234,12 +236,12 @@ void crossTets(const Tets& T, const FieldMatrix& fields, const Candidates& candi
   d.tetPoints = collect<Quad>(
       static_cast<std::int64_t>(d.complex.size()),
       [&](std::int64_t x, auto& out) {
-        const std::int32_t t = d.mixed[at(d.complex[at(x)])];
+        const std::int32_t t = d.mixed[toIndex(d.complex[toIndex(x)])];
         auto corners = cornersOf(T, t);
         std::ranges::sort(corners);
         auto seen = ownersOnBoundary(d, static_cast<std::int32_t>(x));
         const auto points = pointsOfTet(fields, candidates, t, corners, seen);
-        d.tetFirst[at(x)] = static_cast<std::int32_t>(points.size());
+        d.tetFirst[toIndex(x)] = static_cast<std::int32_t>(points.size());
         out.insert(out.end(), points.begin(), points.end());
       },
       64);
@@ -252,9 +254,9 @@ void findConflicts(const Tets& T, const Candidates& candidates, Diagram& d) {
     std::vector<std::int32_t> owners;
     const auto m = std::ranges::lower_bound(d.mixed, t);
     if (m == d.mixed.end() || *m != t) {
-      owners.push_back(d.owner[at(T(t, 0))]);
+      owners.push_back(d.owner[toIndex(T(t, 0))]);
     } else {
-      const auto i = at(m - d.mixed.begin());
+      const auto i = toIndex(m - d.mixed.begin());
       for (const std::int32_t e : d.mixedEdges[i]) {
         if (e >= 0) addOwnersOnEdge(d, e, owners);
       }
@@ -278,9 +280,9 @@ Result<Diagram> computeDiagram(const Tets& T, const FieldMatrix& fields,
 
   // 1. One owner per vertex
   Diagram d;
-  d.owner.resize(at(fields.rows()));
+  d.owner.resize(toIndex(fields.rows()));
   parallelFor(fields.rows(), [&](std::int64_t v) {
-    d.owner[at(v)] = ownerOfVertex(fields, candidates, static_cast<std::int32_t>(v));
+    d.owner[toIndex(v)] = ownerOfVertex(fields, candidates, static_cast<std::int32_t>(v));
   });
   if (const auto bad = std::ranges::find(d.owner, -1); bad != d.owner.end()) {
     const auto v = bad - d.owner.begin();
@@ -295,9 +297,9 @@ Result<Diagram> computeDiagram(const Tets& T, const FieldMatrix& fields,
   d.mixed = collect<std::int32_t>(
       T.rows(),
       [&](std::int64_t t, auto& out) {
-        const std::int32_t first = d.owner[at(T(t, 0))];
-        if (d.owner[at(T(t, 1))] != first || d.owner[at(T(t, 2))] != first ||
-            d.owner[at(T(t, 3))] != first) {
+        const std::int32_t first = d.owner[toIndex(T(t, 0))];
+        if (d.owner[toIndex(T(t, 1))] != first || d.owner[toIndex(T(t, 2))] != first ||
+            d.owner[toIndex(T(t, 3))] != first) {
           out.push_back(static_cast<std::int32_t>(t));
         }
       },
@@ -317,12 +319,12 @@ Result<Diagram> computeDiagram(const Tets& T, const FieldMatrix& fields,
 
 std::vector<std::int32_t> ownersOnFace(const Tets& T, const Diagram& d, std::int32_t m, int k) {
   auto owners = ownersAroundFace(d, m, k);
-  if (owners.empty()) return {d.owner[at(T(d.mixed[at(m)], kTetFace[k][0]))]};
-  const std::int32_t x = d.complexOf[at(m)];
-  const std::int32_t f = x < 0 ? -1 : d.complexFaces[at(x)][at(k)];
+  if (owners.empty()) return {d.owner[toIndex(T(d.mixed[toIndex(m)], kTetFace[k][0]))]};
+  const std::int32_t x = d.complexOf[toIndex(m)];
+  const std::int32_t f = x < 0 ? -1 : d.complexFaces[toIndex(x)][toIndex(k)];
   if (f < 0) return owners;
-  for (std::int32_t p = d.faceFirst[at(f)]; p < d.faceFirst[at(f) + 1]; ++p) {
-    for (const std::int32_t column : d.facePoints[at(p)]) addUnique(owners, column);
+  for (std::int32_t p = d.faceFirst[toIndex(f)]; p < d.faceFirst[toIndex(f) + 1]; ++p) {
+    for (const std::int32_t column : d.facePoints[toIndex(p)]) addUnique(owners, column);
   }
   return owners;
 }
@@ -332,9 +334,10 @@ std::vector<std::vector<std::int32_t>> ownersOfComplexTets(const Diagram& d) {
   parallelFor(
       static_cast<std::int64_t>(d.complex.size()),
       [&](std::int64_t x) {
-        owners[at(x)] = ownersOnBoundary(d, static_cast<std::int32_t>(x));
-        for (std::int32_t p = d.tetFirst[at(x)]; p < d.tetFirst[at(x) + 1]; ++p) {
-          for (const std::int32_t column : d.tetPoints[at(p)]) addUnique(owners[at(x)], column);
+        owners[toIndex(x)] = ownersOnBoundary(d, static_cast<std::int32_t>(x));
+        for (std::int32_t p = d.tetFirst[toIndex(x)]; p < d.tetFirst[toIndex(x) + 1]; ++p) {
+          for (const std::int32_t column : d.tetPoints[toIndex(p)])
+            addUnique(owners[toIndex(x)], column);
         }
       },
       64);

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/envelope/children.h>
 #include <ecorche/envelope/collect.h>
@@ -16,8 +17,6 @@
 
 namespace ecorche::envelope {
 namespace {
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A child thinner than this share of its parent, times clamp³, is repaired: three clamped
 /// crossings around a corner leave clamp³ by themselves.
@@ -70,7 +69,7 @@ void fieldsAtCentroid(const tissue::FieldMatrix& fields, const Envelope& envelop
       f += 0.25 * fields.row(v);
       continue;
     }
-    const Anatomy::Origin& o = envelope.origin[at(v - base)];
+    const Anatomy::Origin& o = envelope.origin[toIndex(v - base)];
     for (std::size_t k = 0; k < 4; ++k) {
       if (o.corner[k] >= 0) f += 0.25 * o.weight[k] * fields.row(o.corner[k]);
     }
@@ -88,20 +87,21 @@ void countOffLabel(const tissue::FieldMatrix& fields, const EnvelopeOptions& opt
     bool excused;
   };
   const auto off = collect<Off>(envelope.mesh.T.rows(), [&](std::int64_t t, auto& out) {
-    const std::int32_t parent = envelope.parentTet[at(t)];
+    const std::int32_t parent = envelope.parentTet[toIndex(t)];
     const auto first = std::ranges::lower_bound(struck, TissueInTet{parent, TissueId(0)});
     const bool isStruck = first != struck.end() && first->tet == parent;
     // A tet that stayed whole has its corners' owner on top everywhere
-    if (envelope.firstChild[at(parent) + 1] - envelope.firstChild[at(parent)] == 1 && !isStruck)
+    if (envelope.firstChild[toIndex(parent) + 1] - envelope.firstChild[toIndex(parent)] == 1 &&
+        !isStruck)
       return;
     thread_local Eigen::RowVectorXd f;
     fieldsAtCentroid(fields, envelope, t, f);
     if (!options.fatIsCandidate) f[0] = -std::numeric_limits<double>::infinity();
-    if (f.maxCoeff() - f[envelope.label[at(t)].value - kFat.value] <= tolerance) return;
+    if (f.maxCoeff() - f[envelope.label[toIndex(t)].value - kFat.value] <= tolerance) return;
     bool excused = isStruck;
     for (int c = 0; c < 4; ++c) {
       const std::int32_t v = envelope.mesh.T(t, c);
-      excused |= v >= base && placement.placed[at(v - base)] != Placed::Exact;
+      excused |= v >= base && placement.placed[toIndex(v - base)] != Placed::Exact;
     }
     out.push_back({static_cast<std::int32_t>(t), excused});
   });

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/islands.h>
 #include <ecorche/envelope/placing.h>
 #include <ecorche/envelope/splitting.h>
@@ -11,16 +12,14 @@
 namespace ecorche::envelope {
 namespace {
 
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 /// Cells as nodes: one per tet and owner, linked across faces on which the owner shows.
 class CellGraph {
  public:
   CellGraph(const mesh::Tets& T, const mesh::TetNeighbours& neighbours, const Diagram& d);
 
   [[nodiscard]] std::int32_t nodeOf(std::int32_t tet, std::int32_t column) const {
-    for (std::int32_t n = first_[at(tet)]; n < first_[at(tet) + 1]; ++n) {
-      if (column_[at(n)] == column) return n;
+    for (std::int32_t n = first_[toIndex(tet)]; n < first_[toIndex(tet) + 1]; ++n) {
+      if (column_[toIndex(n)] == column) return n;
     }
     return -1;
   }
@@ -41,23 +40,23 @@ class CellGraph {
 
 CellGraph::CellGraph(const mesh::Tets& T, const mesh::TetNeighbours& neighbours, const Diagram& d) {
   const auto complexOwners = ownersOfComplexTets(d);
-  std::vector<std::int32_t> mixedOf(at(T.rows()), -1);
+  std::vector<std::int32_t> mixedOf(toIndex(T.rows()), -1);
   for (std::size_t m = 0; m < d.mixed.size(); ++m)
-    mixedOf[at(d.mixed[m])] = static_cast<std::int32_t>(m);
+    mixedOf[toIndex(d.mixed[m])] = static_cast<std::int32_t>(m);
 
-  first_.reserve(at(T.rows()) + 1);
+  first_.reserve(toIndex(T.rows()) + 1);
   for (Eigen::Index t = 0; t < T.rows(); ++t) {
     first_.push_back(static_cast<std::int32_t>(column_.size()));
-    const std::int32_t m = mixedOf[at(t)];
-    if (m >= 0 && d.complexOf[at(m)] >= 0) {
-      const auto& owners = complexOwners[at(d.complexOf[at(m)])];
+    const std::int32_t m = mixedOf[toIndex(t)];
+    if (m >= 0 && d.complexOf[toIndex(m)] >= 0) {
+      const auto& owners = complexOwners[toIndex(d.complexOf[toIndex(m)])];
       column_.insert(column_.end(), owners.begin(), owners.end());
       continue;
     }
-    const std::int32_t own = d.owner[at(T(t, 0))];
+    const std::int32_t own = d.owner[toIndex(T(t, 0))];
     column_.push_back(own);
     for (int c = 1; m >= 0 && c < 4; ++c) {
-      const std::int32_t other = d.owner[at(T(t, c))];
+      const std::int32_t other = d.owner[toIndex(T(t, c))];
       if (other == own) continue;
       column_.push_back(other);
       break;
@@ -76,9 +75,9 @@ CellGraph::CellGraph(const mesh::Tets& T, const mesh::TetNeighbours& neighbours,
     for (int k = 0; k < 4; ++k) {
       const std::int32_t u = neighbours(t, k);
       if (u <= t) continue;
-      const std::int32_t m = mixedOf[at(t)];
-      if (m < 0 || mixedOf[at(u)] < 0) {
-        unite(t, u, d.owner[at(T(t, mesh::kTetFace[k][0]))]);
+      const std::int32_t m = mixedOf[toIndex(t)];
+      if (m < 0 || mixedOf[toIndex(u)] < 0) {
+        unite(t, u, d.owner[toIndex(T(t, mesh::kTetFace[k][0]))]);
       } else {
         for (const std::int32_t column : ownersOnFace(T, d, m, k)) unite(t, u, column);
       }
@@ -88,16 +87,16 @@ CellGraph::CellGraph(const mesh::Tets& T, const mesh::TetNeighbours& neighbours,
 
 std::vector<CellGraph::Component> CellGraph::components(std::span<const TissueInTet> seeds) {
   std::vector<std::int32_t> label;
-  std::vector<Component> all(at(sets_.label(label)));
+  std::vector<Component> all(toIndex(sets_.label(label)));
   for (std::int32_t t = 0; t + 1 < static_cast<std::int32_t>(first_.size()); ++t) {
-    for (std::int32_t n = first_[at(t)]; n < first_[at(t) + 1]; ++n) {
-      all[at(label[at(n)])].column = column_[at(n)];
-      all[at(label[at(n)])].tets.push_back(t);
+    for (std::int32_t n = first_[toIndex(t)]; n < first_[toIndex(t) + 1]; ++n) {
+      all[toIndex(label[toIndex(n)])].column = column_[toIndex(n)];
+      all[toIndex(label[toIndex(n)])].tets.push_back(t);
     }
   }
   for (const TissueInTet& seed : seeds) {
     const std::int32_t n = nodeOf(seed.tet, seed.tissue.value - kFat.value);
-    if (n >= 0) all[at(label[at(n)])].seeded = true;
+    if (n >= 0) all[toIndex(label[toIndex(n)])].seeded = true;
   }
   return all;
 }
@@ -107,7 +106,7 @@ double volumeOf(const mesh::TetMesh& mesh, const Diagram& d, const Placement& pl
                 const CellGraph::Component& component) {
   const auto place = [&](std::int32_t v) -> mesh::Vector3 {
     if (v < d.vertexCount()) return mesh.V.row(v).transpose();
-    const Anatomy::Origin& o = placement.origin[at(v - d.vertexCount())];
+    const Anatomy::Origin& o = placement.origin[toIndex(v - d.vertexCount())];
     mesh::Vector3 p = mesh::Vector3::Zero();
     for (std::size_t c = 0; c < 4; ++c) {
       if (o.corner[c] >= 0) p += o.weight[c] * mesh.V.row(o.corner[c]).transpose();
@@ -126,8 +125,8 @@ double volumeOf(const mesh::TetMesh& mesh, const Diagram& d, const Placement& pl
     }
     const auto i = static_cast<std::int32_t>(m - d.mixed.begin());
     children.clear();
-    if (d.complexOf[at(i)] >= 0) {
-      splitCells(mesh.T, d, d.complexOf[at(i)], children);
+    if (d.complexOf[toIndex(i)] >= 0) {
+      splitCells(mesh.T, d, d.complexOf[toIndex(i)], children);
     } else {
       splitTwoOwners(mesh.T, d, i, children);
     }
@@ -195,7 +194,7 @@ class Strikes {
     if (around_.first.empty()) around_ = mesh::vertexTets(mesh_.T, mesh_.V.rows());
     std::vector<std::int32_t> tets;
     for (int c = 0; c < 4; ++c) {
-      const std::size_t v = at(mesh_.T(tet, c));
+      const std::size_t v = toIndex(mesh_.T(tet, c));
       tets.insert(tets.end(), around_.tet.begin() + around_.first[v],
                   around_.tet.begin() + around_.first[v + 1]);
     }
@@ -227,9 +226,9 @@ Result<Islands> strikeIslands(const mesh::TetMesh& mesh, const mesh::TetNeighbou
                               std::span<const TissueInTet> seeds, RunContext& run) {
   const auto fieldCount = static_cast<std::int32_t>(fields.cols());
   Islands out;
-  out.volume.assign(at(fieldCount) + 1, 0.0);
+  out.volume.assign(toIndex(fieldCount) + 1, 0.0);
   Strikes strikes(mesh, neighbours, fieldCount, fatIsCandidate);
-  std::vector<std::uint8_t> shown(at(fieldCount), 0);  // owned something at first
+  std::vector<std::uint8_t> shown(toIndex(fieldCount), 0);  // owned something at first
   constexpr int kRounds = 1000;
   for (int round = 0; round < kRounds; ++round) {
     out.struck = strikes.list();
@@ -241,20 +240,21 @@ Result<Islands> strikeIslands(const mesh::TetMesh& mesh, const mesh::TetNeighbou
     std::int64_t fatParts = 0;
     std::int64_t kept = 0;
     std::int64_t struckNow = 0;
-    std::vector<std::uint8_t> left(at(fieldCount), 0);
+    std::vector<std::uint8_t> left(toIndex(fieldCount), 0);
     std::optional<Placement> placement;
     for (const auto& component : components) {
-      shown[at(component.column)] = 1;
+      shown[toIndex(component.column)] = 1;
       fatParts += component.column == 0;
       if (component.column == 0 || component.seeded) {
-        left[at(component.column)] = 1;
+        left[toIndex(component.column)] = 1;
       } else if (strikes.strike(component.column, component.tets)) {
         if (!placement) placement = placeNames(mesh.T, fields, *diagram, std::nullopt);
-        out.volume[at(component.column) + 1] += volumeOf(mesh, *diagram, *placement, component);
+        out.volume[toIndex(component.column) + 1] +=
+            volumeOf(mesh, *diagram, *placement, component);
         ++struckNow;
       } else {
         ++kept;
-        left[at(component.column)] = 1;
+        left[toIndex(component.column)] = 1;
       }
     }
     out.count += struckNow;
@@ -267,7 +267,8 @@ Result<Islands> strikeIslands(const mesh::TetMesh& mesh, const mesh::TetNeighbou
     out.fatPockets = std::max<std::int64_t>(0, fatParts - 1);
     out.kept = kept;
     for (std::int32_t column = 1; column < fieldCount; ++column) {
-      if (shown[at(column)] && !left[at(column)]) out.lost.emplace_back(column + kFat.value);
+      if (shown[toIndex(column)] && !left[toIndex(column)])
+        out.lost.emplace_back(column + kFat.value);
     }
     out.diagram = std::move(*diagram);
     return out;

@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/envelope/placing.h>
 #include <ecorche/envelope/tied_point.h>
@@ -12,8 +13,6 @@ namespace {
 using mesh::Tets;
 using tissue::FieldMatrix;
 using Origin = Anatomy::Origin;
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 std::array<std::int32_t, 4> sortedCorners(const Tets& T, std::int32_t t) {
   std::array<std::int32_t, 4> corners{T(t, 0), T(t, 1), T(t, 2), T(t, 3)};
@@ -80,17 +79,17 @@ void placeTied(const FieldMatrix& fields, const std::array<std::int32_t, N>& cor
 
 void placeEdge(const FieldMatrix& fields, const Diagram& d, std::int32_t e,
                std::optional<double> clamp, Placement& out) {
-  const Edge& edge = d.edges[at(e)];
+  const Edge& edge = d.edges[toIndex(e)];
   std::vector<double> raw;
-  for (std::int32_t c = d.edgeFirst[at(e)]; c < d.edgeFirst[at(e) + 1]; ++c) {
-    raw.push_back(crossingOf(fields, edge, d.labelBefore(e, c), d.labelAfter[at(c)]));
+  for (std::int32_t c = d.edgeFirst[toIndex(e)]; c < d.edgeFirst[toIndex(e) + 1]; ++c) {
+    raw.push_back(crossingOf(fields, edge, d.labelBefore(e, c), d.labelAfter[toIndex(c)]));
     // Rounding must not swap what exact signs have ordered
     if (raw.size() > 1) raw.back() = std::max(raw.back(), raw[raw.size() - 2]);
   }
   std::vector<double> t = raw;
   if (clamp) spread(t, *clamp);
   for (std::size_t n = 0; n < t.size(); ++n) {
-    const std::size_t k = at(d.edgeFirst[at(e)]) + n;
+    const std::size_t k = toIndex(d.edgeFirst[toIndex(e)]) + n;
     out.origin[k] = originOf<2>(edge, {1.0 - t[n], t[n]});
     if (t[n] != raw[n]) out.placed[k] = Placed::Clamped;
   }
@@ -107,19 +106,19 @@ std::vector<std::array<double, N>> relaxed(const std::vector<std::vector<std::in
   Eigen::MatrixXd L = Eigen::MatrixXd::Zero(count, count);
   Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(count, N);
   for (Eigen::Index p = 0; p < count; ++p) {
-    L(p, p) = static_cast<double>(neighbours[at(p)].size());
-    for (const std::int32_t n : neighbours[at(p)]) {
+    L(p, p) = static_cast<double>(neighbours[toIndex(p)].size());
+    for (const std::int32_t n : neighbours[toIndex(p)]) {
       if (n >= fixedCount) {
         L(p, n - fixedCount) -= 1.0;
       } else {
-        for (int c = 0; c < N; ++c) rhs(p, c) += fixed[at(n)][at(c)];
+        for (int c = 0; c < N; ++c) rhs(p, c) += fixed[toIndex(n)][toIndex(c)];
       }
     }
   }
   const Eigen::MatrixXd x = L.partialPivLu().solve(rhs);
   std::vector<std::array<double, N>> out(neighbours.size());
   for (Eigen::Index p = 0; p < count; ++p) {
-    for (int c = 0; c < N; ++c) out[at(p)][at(c)] = x(p, c);
+    for (int c = 0; c < N; ++c) out[toIndex(p)][toIndex(c)] = x(p, c);
   }
   return out;
 }
@@ -136,9 +135,9 @@ template <int N>
 std::array<double, N> over(const std::array<std::int32_t, N>& corners, const Origin& origin) {
   std::array<double, N> weight{};
   for (int c = 0; c < 4; ++c) {
-    if (origin.corner[at(c)] < 0) continue;
-    weight[at(std::ranges::find(corners, origin.corner[at(c)]) - corners.begin())] +=
-        origin.weight[at(c)];
+    if (origin.corner[toIndex(c)] < 0) continue;
+    weight[toIndex(std::ranges::find(corners, origin.corner[toIndex(c)]) - corners.begin())] +=
+        origin.weight[toIndex(c)];
   }
   return weight;
 }
@@ -148,8 +147,8 @@ std::array<double, N> over(const std::array<std::int32_t, N>& corners, const Ori
 Placement placeNames(const Tets& T, const FieldMatrix& fields, const Diagram& d,
                      std::optional<double> clamp) {
   Placement out;
-  out.origin.resize(at(d.newVertexCount()));
-  out.placed.assign(at(d.newVertexCount()), Placed::Exact);
+  out.origin.resize(toIndex(d.newVertexCount()));
+  out.placed.assign(toIndex(d.newVertexCount()), Placed::Exact);
   const std::int32_t base = d.vertexCount();
 
   parallelFor(static_cast<std::int64_t>(d.edges.size()), [&](std::int64_t e) {
@@ -158,9 +157,9 @@ Placement placeNames(const Tets& T, const FieldMatrix& fields, const Diagram& d,
   parallelFor(
       static_cast<std::int64_t>(d.faces.size()),
       [&](std::int64_t f) {
-        for (std::int32_t p = d.faceFirst[at(f)]; p < d.faceFirst[at(f) + 1]; ++p) {
-          const auto k = at(d.facePointId(p) - base);
-          placeTied<3>(fields, d.faces[at(f)], d.facePoints[at(p)], clamp, out.origin[k],
+        for (std::int32_t p = d.faceFirst[toIndex(f)]; p < d.faceFirst[toIndex(f) + 1]; ++p) {
+          const auto k = toIndex(d.facePointId(p) - base);
+          placeTied<3>(fields, d.faces[toIndex(f)], d.facePoints[toIndex(p)], clamp, out.origin[k],
                        out.placed[k]);
         }
       },
@@ -168,10 +167,11 @@ Placement placeNames(const Tets& T, const FieldMatrix& fields, const Diagram& d,
   parallelFor(
       static_cast<std::int64_t>(d.complex.size()),
       [&](std::int64_t x) {
-        const auto corners = sortedCorners(T, d.mixed[at(d.complex[at(x)])]);
-        for (std::int32_t p = d.tetFirst[at(x)]; p < d.tetFirst[at(x) + 1]; ++p) {
-          const auto k = at(d.tetPointId(p) - base);
-          placeTied<4>(fields, corners, d.tetPoints[at(p)], clamp, out.origin[k], out.placed[k]);
+        const auto corners = sortedCorners(T, d.mixed[toIndex(d.complex[toIndex(x)])]);
+        for (std::int32_t p = d.tetFirst[toIndex(x)]; p < d.tetFirst[toIndex(x) + 1]; ++p) {
+          const auto k = toIndex(d.tetPointId(p) - base);
+          placeTied<4>(fields, corners, d.tetPoints[toIndex(p)], clamp, out.origin[k],
+                       out.placed[k]);
         }
       },
       64);
@@ -187,35 +187,35 @@ std::int32_t SafePlaces::edgeIndex(std::int32_t a, std::int32_t b) const {
 }
 
 Origin SafePlaces::ofCrossing(std::int32_t edge, std::int32_t crossing) const {
-  const double steps = d_.edgeFirst[at(edge) + 1] - d_.edgeFirst[at(edge)] + 1;
-  const double t = (crossing - d_.edgeFirst[at(edge)] + 1) / steps;
-  return originOf<2>(d_.edges[at(edge)], {1.0 - t, t});
+  const double steps = d_.edgeFirst[toIndex(edge) + 1] - d_.edgeFirst[toIndex(edge)] + 1;
+  const double t = (crossing - d_.edgeFirst[toIndex(edge)] + 1) / steps;
+  return originOf<2>(d_.edges[toIndex(edge)], {1.0 - t, t});
 }
 
 std::vector<Origin> SafePlaces::ofFace(std::int32_t face) const {
-  const Face& corners = d_.faces[at(face)];
+  const Face& corners = d_.faces[toIndex(face)];
   std::vector<std::array<double, 3>> fixed;
   std::vector<std::array<std::int32_t, 2>> fixedTied;
   for (int c = 0; c < 3; ++c) {
-    const std::int32_t e = edgeIndex(corners[at(c)], corners[at((c + 1) % 3)]);
+    const std::int32_t e = edgeIndex(corners[toIndex(c)], corners[toIndex((c + 1) % 3)]);
     if (e < 0) continue;
-    for (std::int32_t x = d_.edgeFirst[at(e)]; x < d_.edgeFirst[at(e) + 1]; ++x) {
+    for (std::int32_t x = d_.edgeFirst[toIndex(e)]; x < d_.edgeFirst[toIndex(e) + 1]; ++x) {
       fixed.push_back(over<3>(corners, ofCrossing(e, x)));
-      fixedTied.push_back({d_.labelBefore(e, x), d_.labelAfter[at(x)]});
+      fixedTied.push_back({d_.labelBefore(e, x), d_.labelAfter[toIndex(x)]});
     }
   }
   // Neighbours on a face share two of the three fields
-  const std::int32_t begin = d_.faceFirst[at(face)];
-  const std::int32_t end = d_.faceFirst[at(face) + 1];
+  const std::int32_t begin = d_.faceFirst[toIndex(face)];
+  const std::int32_t end = d_.faceFirst[toIndex(face) + 1];
   std::vector<std::vector<std::int32_t>> neighbours;
   for (std::int32_t p = begin; p < end; ++p) {
     auto& list = neighbours.emplace_back();
     for (std::size_t n = 0; n < fixed.size(); ++n) {
-      if (common(fixedTied[n], d_.facePoints[at(p)]) == 2)
+      if (common(fixedTied[n], d_.facePoints[toIndex(p)]) == 2)
         list.push_back(static_cast<std::int32_t>(n));
     }
     for (std::int32_t q = begin; q < end; ++q) {
-      if (q != p && common(d_.facePoints[at(q)], d_.facePoints[at(p)]) == 2) {
+      if (q != p && common(d_.facePoints[toIndex(q)], d_.facePoints[toIndex(p)]) == 2) {
         list.push_back(static_cast<std::int32_t>(fixed.size()) + q - begin);
       }
     }
@@ -227,29 +227,29 @@ std::vector<Origin> SafePlaces::ofFace(std::int32_t face) const {
 }
 
 std::vector<Origin> SafePlaces::ofTet(std::int32_t x) const {
-  const auto corners = sortedCorners(T_, d_.mixed[at(d_.complex[at(x)])]);
+  const auto corners = sortedCorners(T_, d_.mixed[toIndex(d_.complex[toIndex(x)])]);
   std::vector<std::array<double, 4>> fixed;
   std::vector<Triple> fixedTied;
-  for (const std::int32_t f : d_.complexFaces[at(x)]) {
+  for (const std::int32_t f : d_.complexFaces[toIndex(x)]) {
     if (f < 0) continue;
     const auto places = ofFace(f);
     for (std::size_t n = 0; n < places.size(); ++n) {
       fixed.push_back(over<4>(corners, places[n]));
-      fixedTied.push_back(d_.facePoints[at(d_.faceFirst[at(f)]) + n]);
+      fixedTied.push_back(d_.facePoints[toIndex(d_.faceFirst[toIndex(f)]) + n]);
     }
   }
   // Neighbours in a tet share three of the four fields
-  const std::int32_t begin = d_.tetFirst[at(x)];
-  const std::int32_t end = d_.tetFirst[at(x) + 1];
+  const std::int32_t begin = d_.tetFirst[toIndex(x)];
+  const std::int32_t end = d_.tetFirst[toIndex(x) + 1];
   std::vector<std::vector<std::int32_t>> neighbours;
   for (std::int32_t p = begin; p < end; ++p) {
     auto& list = neighbours.emplace_back();
     for (std::size_t n = 0; n < fixed.size(); ++n) {
-      if (common(fixedTied[n], d_.tetPoints[at(p)]) == 3)
+      if (common(fixedTied[n], d_.tetPoints[toIndex(p)]) == 3)
         list.push_back(static_cast<std::int32_t>(n));
     }
     for (std::int32_t q = begin; q < end; ++q) {
-      if (q != p && common(d_.tetPoints[at(q)], d_.tetPoints[at(p)]) == 3) {
+      if (q != p && common(d_.tetPoints[toIndex(q)], d_.tetPoints[toIndex(p)]) == 3) {
         list.push_back(static_cast<std::int32_t>(fixed.size()) + q - begin);
       }
     }

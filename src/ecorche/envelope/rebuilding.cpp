@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/children.h>
 #include <ecorche/envelope/rebuilding.h>
 #include <ecorche/envelope/repair.h>
@@ -12,8 +13,6 @@ namespace {
 
 using Origin = Anatomy::Origin;
 
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 /// A triangle of a parent's boundary, counter-clockwise seen from outside.
 struct OuterTriangle {
   std::array<std::int32_t, 3> vertex;
@@ -23,11 +22,12 @@ struct OuterTriangle {
 /// Faces of children that no other child of the parent shares.
 std::vector<OuterTriangle> boundaryOf(const Split& split, std::int32_t parent) {
   std::map<Face, OuterTriangle> open;
-  for (std::int32_t c = split.firstChild[at(parent)]; c < split.firstChild[at(parent) + 1]; ++c) {
+  for (std::int32_t c = split.firstChild[toIndex(parent)];
+       c < split.firstChild[toIndex(parent) + 1]; ++c) {
     for (int k = 0; k < 4; ++k) {
       const auto& f = mesh::kTetFace[k];
       const OuterTriangle own{{split.T(c, f[0]), split.T(c, f[1]), split.T(c, f[2])},
-                              split.column[at(c)]};
+                              split.column[toIndex(c)]};
       const auto [place, isNew] = open.try_emplace(sortedFace(split.T, c, k), own);
       if (!isNew) open.erase(place);
     }
@@ -57,7 +57,7 @@ class Copy {
  public:
   Copy(const mesh::Tets& T, std::int32_t vertexCount, std::int32_t parent, Placement& placement)
       : vertexCount_(vertexCount), placement_(placement) {
-    for (int c = 0; c < 4; ++c) centre_.corner[at(c)] = T(parent, c);
+    for (int c = 0; c < 4; ++c) centre_.corner[toIndex(c)] = T(parent, c);
     std::ranges::sort(centre_.corner);
     centre_.weight.fill(0.25);
     middle_ = add(centre_);
@@ -76,13 +76,14 @@ class Copy {
     Origin own = centre_;
     for (double& w : own.weight) w *= 0.5;
     const auto addTo = [&](std::int32_t corner, double weight) {
-      own.weight[at(std::ranges::find(own.corner, corner) - own.corner.begin())] += 0.5 * weight;
+      own.weight[toIndex(std::ranges::find(own.corner, corner) - own.corner.begin())] +=
+          0.5 * weight;
     };
     if (vertex < vertexCount_) {
       addTo(vertex, 1.0);
       return own;
     }
-    const Origin& outer = placement_.origin[at(vertex - vertexCount_)];
+    const Origin& outer = placement_.origin[toIndex(vertex - vertexCount_)];
     for (std::size_t c = 0; c < 4; ++c) {
       if (outer.corner[c] >= 0) addTo(outer.corner[c], outer.weight[c]);
     }
@@ -135,7 +136,7 @@ Split withChildren(const Split& split, const std::map<std::int32_t, std::vector<
   std::int64_t total = split.T.rows();
   for (const auto& [t, children] : anew) {
     total += static_cast<std::int64_t>(children.size()) -
-             (split.firstChild[at(t) + 1] - split.firstChild[at(t)]);
+             (split.firstChild[toIndex(t) + 1] - split.firstChild[toIndex(t)]);
   }
   Split out;
   out.T.resize(total, 4);
@@ -152,8 +153,8 @@ Split withChildren(const Split& split, const std::map<std::int32_t, std::vector<
       for (const SubTet& child : own->second) add(child.vertex, child.column, t);
       continue;
     }
-    for (std::int32_t c = split.firstChild[at(t)]; c < split.firstChild[at(t) + 1]; ++c) {
-      add(split.T.row(c), split.column[at(c)], t);
+    for (std::int32_t c = split.firstChild[toIndex(t)]; c < split.firstChild[toIndex(t) + 1]; ++c) {
+      add(split.T.row(c), split.column[toIndex(c)], t);
     }
   }
   out.firstChild.push_back(static_cast<std::int32_t>(out.parent.size()));
@@ -165,20 +166,20 @@ Split withChildren(const Split& split, const std::map<std::int32_t, std::vector<
 void dropUnused(std::int32_t vertexCount, Split& split, Placement& placement) {
   std::vector<std::int32_t> number(placement.origin.size(), -1);
   for (Eigen::Index i = 0; i < split.T.size(); ++i) {
-    if (split.T.data()[i] >= vertexCount) number[at(split.T.data()[i] - vertexCount)] = 0;
+    if (split.T.data()[i] >= vertexCount) number[toIndex(split.T.data()[i] - vertexCount)] = 0;
   }
   std::int32_t next = 0;
   for (std::size_t k = 0; k < number.size(); ++k) {
     if (number[k] < 0) continue;
-    placement.origin[at(next)] = placement.origin[k];
-    placement.placed[at(next)] = placement.placed[k];
+    placement.origin[toIndex(next)] = placement.origin[k];
+    placement.placed[toIndex(next)] = placement.placed[k];
     number[k] = next++;
   }
-  placement.origin.resize(at(next));
-  placement.placed.resize(at(next));
+  placement.origin.resize(toIndex(next));
+  placement.placed.resize(toIndex(next));
   for (Eigen::Index i = 0; i < split.T.size(); ++i) {
     std::int32_t& v = split.T.data()[i];
-    if (v >= vertexCount) v = vertexCount + number[at(v - vertexCount)];
+    if (v >= vertexCount) v = vertexCount + number[toIndex(v - vertexCount)];
   }
 }
 

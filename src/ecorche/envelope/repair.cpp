@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/envelope/collect.h>
 #include <ecorche/envelope/rebuilding.h>
@@ -14,8 +15,6 @@ namespace {
 using mesh::Tets;
 using mesh::Vector3;
 using Origin = Anatomy::Origin;
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 Vector3 placeOf(const mesh::Positions& V, const Origin& o) {
   Vector3 p = Vector3::Zero();
@@ -78,28 +77,30 @@ bool Repair::isThin(std::int32_t child) const {
                               P.row(tet[2]).transpose(), P.row(tet[3]).transpose());
   };
   const double own = volume(V_, split_.T.row(child));
-  const double whole = volume(domain_.V, domain_.T.row(split_.parent[at(child)]));
+  const double whole = volume(domain_.V, domain_.T.row(split_.parent[toIndex(child)]));
   return !(own > thin_ * whole);
 }
 
 /// Mixed parents with a child of that kind, ascending.
 template <class IsSuch>
 std::vector<std::int32_t> Repair::parentsWith(const IsSuch& isSuch) const {
-  return collect<std::int32_t>(
-      static_cast<std::int64_t>(d_.mixed.size()), [&](std::int64_t m, auto& out) {
-        const std::int32_t t = d_.mixed[at(m)];
-        for (std::int32_t c = split_.firstChild[at(t)]; c < split_.firstChild[at(t) + 1]; ++c) {
-          if (!isSuch(c)) continue;
-          out.push_back(t);
-          return;
-        }
-      });
+  return collect<std::int32_t>(static_cast<std::int64_t>(d_.mixed.size()),
+                               [&](std::int64_t m, auto& out) {
+                                 const std::int32_t t = d_.mixed[toIndex(m)];
+                                 for (std::int32_t c = split_.firstChild[toIndex(t)];
+                                      c < split_.firstChild[toIndex(t) + 1]; ++c) {
+                                   if (!isSuch(c)) continue;
+                                   out.push_back(t);
+                                   return;
+                                 }
+                               });
 }
 
 /// New vertices of a parent, ascending, counted from the first new one.
 std::vector<std::int32_t> Repair::namesOf(std::int32_t parent) const {
   std::vector<std::int32_t> names;
-  for (std::int32_t c = split_.firstChild[at(parent)]; c < split_.firstChild[at(parent) + 1]; ++c) {
+  for (std::int32_t c = split_.firstChild[toIndex(parent)];
+       c < split_.firstChild[toIndex(parent) + 1]; ++c) {
     for (int k = 0; k < 4; ++k) {
       if (split_.T(c, k) >= d_.vertexCount()) names.push_back(split_.T(c, k) - d_.vertexCount());
     }
@@ -118,15 +119,15 @@ Origin Repair::safePlace(std::int32_t name) const {
   if (name < facesBegin) return safe_.ofCrossing(holder(d_.edgeFirst, name), name);
   if (name < tetsBegin) {
     const std::int32_t f = holder(d_.faceFirst, name - facesBegin);
-    return safe_.ofFace(f)[at(name - facesBegin - d_.faceFirst[at(f)])];
+    return safe_.ofFace(f)[toIndex(name - facesBegin - d_.faceFirst[toIndex(f)])];
   }
   const std::int32_t x = holder(d_.tetFirst, name - tetsBegin);
-  return safe_.ofTet(x)[at(name - tetsBegin - d_.tetFirst[at(x)])];
+  return safe_.ofTet(x)[toIndex(name - tetsBegin - d_.tetFirst[toIndex(x)])];
 }
 
 void Repair::put(std::int32_t name, const Origin& origin) {
-  placement_.origin[at(name)] = origin;
-  placement_.placed[at(name)] = Placed::Repaired;
+  placement_.origin[toIndex(name)] = origin;
+  placement_.placed[toIndex(name)] = Placed::Repaired;
   V_.row(d_.vertexCount() + name) = placeOf(V_, origin).transpose();
 }
 
@@ -146,7 +147,7 @@ bool Repair::raise(const std::vector<std::int32_t>& parents) {
     if (level + 1 == kShare.size()) continue;
     ++level;
     raised = true;
-    put(name, blend(raw_[at(name)], safePlace(name), kShare[level]));
+    put(name, blend(raw_[toIndex(name)], safePlace(name), kShare[level]));
   }
   return raised;
 }
@@ -171,14 +172,14 @@ std::vector<std::int32_t> Repair::secureFaces(std::vector<std::int32_t> parents)
 
 RepairCount Repair::run() {
   RepairCount count;
-  std::vector<std::uint8_t> touched(at(domain_.T.rows()), 0);
+  std::vector<std::uint8_t> touched(toIndex(domain_.T.rows()), 0);
   const auto atFault = [&](std::int32_t c) { return isThin(c) || sign(c) <= 0; };
   for (auto bad = parentsWith(atFault); !bad.empty(); bad = parentsWith(atFault)) {
-    for (const std::int32_t t : bad) touched[at(t)] = 1;
+    for (const std::int32_t t : bad) touched[toIndex(t)] = 1;
     if (!raise(bad)) break;
   }
   const auto left = secureFaces(parentsWith([&](std::int32_t child) { return sign(child) <= 0; }));
-  for (const std::int32_t t : left) touched[at(t)] = 1;
+  for (const std::int32_t t : left) touched[toIndex(t)] = 1;
   if (!left.empty()) rebuildTets(domain_, fields_, left, split_, placement_, V_);
   count.parents = std::ranges::count(touched, 1);
   count.rebuilt = static_cast<std::int64_t>(left.size());
@@ -191,7 +192,7 @@ mesh::Positions positionsOf(const mesh::Positions& V, const std::vector<Origin>&
   mesh::Positions all(V.rows() + static_cast<Eigen::Index>(origin.size()), 3);
   all.topRows(V.rows()) = V;
   parallelFor(static_cast<std::int64_t>(origin.size()), [&](std::int64_t k) {
-    all.row(V.rows() + k) = placeOf(V, origin[at(k)]).transpose();
+    all.row(V.rows() + k) = placeOf(V, origin[toIndex(k)]).transpose();
   });
   return all;
 }

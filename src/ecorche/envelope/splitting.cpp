@@ -1,4 +1,5 @@
 #include <ecorche/core/contract.h>
+#include <ecorche/core/index.h>
 #include <ecorche/envelope/collect.h>
 #include <ecorche/envelope/splitting.h>
 
@@ -10,8 +11,6 @@ namespace {
 using mesh::kTetEdge;
 using mesh::kTetFace;
 using mesh::Tets;
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A prism with triangles b and t and edges b_i t_i; t seen from outside runs counter-clockwise, b
 /// clockwise.
@@ -46,11 +45,12 @@ constexpr int kEdgeBetween[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5},
 }  // namespace
 
 void splitTwoOwners(const Tets& T, const Diagram& d, std::int32_t m, std::vector<SubTet>& out) {
-  const std::int32_t t = d.mixed[at(m)];
+  const std::int32_t t = d.mixed[toIndex(m)];
   const auto corner = [&](int c) { return T(t, c); };
-  const auto owner = [&](int c) { return d.owner[at(T(t, c))]; };
+  const auto owner = [&](int c) { return d.owner[toIndex(T(t, c))]; };
   const auto point = [&](int a, int b) {
-    return d.edgePointId(d.edgeFirst[at(d.mixedEdges[at(m)][at(kEdgeBetween[a][b])])]);
+    return d.edgePointId(
+        d.edgeFirst[toIndex(d.mixedEdges[toIndex(m)][toIndex(kEdgeBetween[a][b])])]);
   };
   int same[4];  // corners with this corner's owner
   for (int c = 0; c < 4; ++c) {
@@ -84,22 +84,22 @@ Split splitTets(const Tets& T, const Diagram& d) {
       [&](std::int64_t x, auto& out) {
         const auto before = out.size();
         splitCells(T, d, static_cast<std::int32_t>(x), out);
-        complexFirst[at(x)] = static_cast<std::int32_t>(out.size() - before);
+        complexFirst[toIndex(x)] = static_cast<std::int32_t>(out.size() - before);
       },
       64);
   prefixSum(complexFirst);
 
   // Count
   Split split;
-  split.firstChild.assign(at(T.rows()), 1);
+  split.firstChild.assign(toIndex(T.rows()), 1);
   parallelFor(static_cast<std::int64_t>(d.mixed.size()), [&](std::int64_t m) {
-    const std::int32_t t = d.mixed[at(m)];
-    std::int32_t& count = split.firstChild[at(t)];
-    if (const std::int32_t x = d.complexOf[at(m)]; x >= 0) {
-      count = complexFirst[at(x) + 1] - complexFirst[at(x)];
+    const std::int32_t t = d.mixed[toIndex(m)];
+    std::int32_t& count = split.firstChild[toIndex(t)];
+    if (const std::int32_t x = d.complexOf[toIndex(m)]; x >= 0) {
+      count = complexFirst[toIndex(x) + 1] - complexFirst[toIndex(x)];
     } else {
       const int crossed = static_cast<int>(
-          std::ranges::count_if(d.mixedEdges[at(m)], [](auto e) { return e >= 0; }));
+          std::ranges::count_if(d.mixedEdges[toIndex(m)], [](auto e) { return e >= 0; }));
       count = crossed == 3 ? 4 : 6;
     }
   });
@@ -108,35 +108,35 @@ Split splitTets(const Tets& T, const Diagram& d) {
   // Fill
   const std::int32_t total = split.firstChild.back();
   split.T.resize(total, 4);
-  split.column.resize(at(total));
-  split.parent.resize(at(total));
+  split.column.resize(toIndex(total));
+  split.parent.resize(toIndex(total));
   parallelFor(T.rows(), [&](std::int64_t t) {
-    const auto c = at(split.firstChild[at(t)]);
-    if (split.firstChild[at(t) + 1] - split.firstChild[at(t)] > 1) return;
+    const auto c = toIndex(split.firstChild[toIndex(t)]);
+    if (split.firstChild[toIndex(t) + 1] - split.firstChild[toIndex(t)] > 1) return;
     split.T.row(static_cast<Eigen::Index>(c)) = T.row(t);
-    split.column[c] = d.owner[at(T(t, 0))];
+    split.column[c] = d.owner[toIndex(T(t, 0))];
     split.parent[c] = static_cast<std::int32_t>(t);
   });
   parallelFor(
       static_cast<std::int64_t>(d.mixed.size()),
       [&](std::int64_t m) {
-        const std::int32_t t = d.mixed[at(m)];
+        const std::int32_t t = d.mixed[toIndex(m)];
         thread_local std::vector<SubTet> children;
         children.clear();
-        if (const std::int32_t x = d.complexOf[at(m)]; x >= 0) {
-          children.assign(complexChildren.begin() + complexFirst[at(x)],
-                          complexChildren.begin() + complexFirst[at(x) + 1]);
+        if (const std::int32_t x = d.complexOf[toIndex(m)]; x >= 0) {
+          children.assign(complexChildren.begin() + complexFirst[toIndex(x)],
+                          complexChildren.begin() + complexFirst[toIndex(x) + 1]);
         } else {
           splitTwoOwners(T, d, static_cast<std::int32_t>(m), children);
         }
         EC_ASSERT(static_cast<std::int32_t>(children.size()) ==
-                      split.firstChild[at(t) + 1] - split.firstChild[at(t)],
+                      split.firstChild[toIndex(t) + 1] - split.firstChild[toIndex(t)],
                   "tet {} has {} children", t, children.size());
-        std::int32_t c = split.firstChild[at(t)];
+        std::int32_t c = split.firstChild[toIndex(t)];
         for (const SubTet& child : children) {
-          for (int k = 0; k < 4; ++k) split.T(c, k) = child.vertex[at(k)];
-          split.column[at(c)] = child.column;
-          split.parent[at(c)] = t;
+          for (int k = 0; k < 4; ++k) split.T(c, k) = child.vertex[toIndex(k)];
+          split.column[toIndex(c)] = child.column;
+          split.parent[toIndex(c)] = t;
           ++c;
         }
       },

@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/disjoint_sets.h>
 #include <ecorche/mesh/face_repair.h>
 #include <ecorche/mesh/nesting.h>
@@ -20,8 +21,6 @@ namespace ecorche::mesh {
 
 namespace {
 
-std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 Vector3 at(const LabelledFaces& faces, std::int32_t v) { return faces.V.row(v).transpose(); }
 
 Vector3 middle(const LabelledFaces& faces, Eigen::Index f) {
@@ -29,7 +28,7 @@ Vector3 middle(const LabelledFaces& faces, Eigen::Index f) {
 }
 
 void renumber(LabelledFaces& faces, const std::vector<std::int32_t>& fresh) {
-  faces.F = faces.F.unaryExpr([&](std::int32_t v) { return fresh[index(v)]; }).eval();
+  faces.F = faces.F.unaryExpr([&](std::int32_t v) { return fresh[toIndex(v)]; }).eval();
 }
 
 // Cells of a grid; what is closer than a cell's width is in neighbouring cells.
@@ -58,7 +57,7 @@ std::int64_t dropWalls(LabelledFaces& faces, const std::vector<char>& mayBeWall,
   std::int64_t dropped = 0;
   for (std::size_t f = 0; f < mayBeWall.size(); ++f) {
     if (mayBeWall[f] == 0) continue;
-    char& known = inside[index(patches.root(static_cast<std::int32_t>(f)))];
+    char& known = inside[toIndex(patches.root(static_cast<std::int32_t>(f)))];
     if (known == 0) {
       const auto row = static_cast<Eigen::Index>(f);
       const Vector3 a = at(faces, faces.F(row, 0));
@@ -82,18 +81,18 @@ std::int64_t dropWalls(LabelledFaces& faces, const std::vector<char>& mayBeWall,
 void LabelledFaces::keep(const std::vector<char>& kept) {
   Eigen::Index next = 0;
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
-    if (kept[index(f)] == 0) continue;
+    if (kept[toIndex(f)] == 0) continue;
     F.row(next) = F.row(f).eval();
-    label[index(next++)] = label[index(f)];
+    label[toIndex(next++)] = label[toIndex(f)];
   }
   F.conservativeResize(next, 3);
-  label.resize(index(next));
+  label.resize(toIndex(next));
 }
 
 StepReport weldEqual(LabelledFaces& faces) {
   StepReport report;
-  std::vector<char> used(index(faces.V.rows()), 0);
-  for (const std::int32_t v : faces.F.reshaped()) used[index(v)] = 1;
+  std::vector<char> used(toIndex(faces.V.rows()), 0);
+  for (const std::int32_t v : faces.F.reshaped()) used[toIndex(v)] = 1;
   VertexWelder welder(used.size());
   std::vector<std::int32_t> fresh(used.size(), 0);
   for (std::size_t v = 0; v < used.size(); ++v) {
@@ -139,10 +138,10 @@ StepReport weldBorders(LabelledFaces& faces, double tolerance) {
   const auto cellOf = [&](const Vector3& p) {
     Cell c;
     for (int k = 0; k < 3; ++k)
-      c[index(k)] = static_cast<std::int64_t>(std::floor((p[k] - origin[k]) / width));
+      c[toIndex(k)] = static_cast<std::int64_t>(std::floor((p[k] - origin[k]) / width));
     return c;
   };
-  DisjointSets sets(index(faces.V.rows()));
+  DisjointSets sets(toIndex(faces.V.rows()));
   for (std::size_t i = 0; i < byReach.size(); ++i) {
     const auto [r, v] = byReach[i];
     if (r < 0.25 * width && width > narrowest) {
@@ -167,7 +166,7 @@ StepReport weldBorders(LabelledFaces& faces, double tolerance) {
     grid[home].push_back(v);
   }
   if (report.count == 0) return report;
-  std::vector<std::int32_t> fresh(index(faces.V.rows()));
+  std::vector<std::int32_t> fresh(toIndex(faces.V.rows()));
   for (std::size_t v = 0; v < fresh.size(); ++v) fresh[v] = sets.root(static_cast<std::int32_t>(v));
   renumber(faces, fresh);
   return report;
@@ -175,12 +174,12 @@ StepReport weldBorders(LabelledFaces& faces, double tolerance) {
 
 StepReport dropCollapsed(LabelledFaces& faces) {
   StepReport report;
-  std::vector<char> kept(index(faces.F.rows()), 1);
+  std::vector<char> kept(toIndex(faces.F.rows()), 1);
   for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
     if (faces.F(f, 0) != faces.F(f, 1) && faces.F(f, 1) != faces.F(f, 2) &&
         faces.F(f, 2) != faces.F(f, 0))
       continue;
-    kept[index(f)] = 0;
+    kept[toIndex(f)] = 0;
     report.see(middle(faces, f));
   }
   if (report.count > 0) faces.keep(kept);
@@ -190,7 +189,7 @@ StepReport dropCollapsed(LabelledFaces& faces) {
 StepReport dropDoubled(LabelledFaces& faces) {
   StepReport report;
   std::vector<std::array<std::int32_t, 4>> keys;  // three vertices ascending, face
-  keys.reserve(index(faces.F.rows()));
+  keys.reserve(toIndex(faces.F.rows()));
   for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
     std::array<std::int32_t, 4> key{faces.F(f, 0), faces.F(f, 1), faces.F(f, 2),
                                     static_cast<std::int32_t>(f)};
@@ -206,8 +205,8 @@ StepReport dropDoubled(LabelledFaces& faces) {
       first = i;
       continue;
     }
-    kept[index(keys[i][3])] = 0;
-    wasDoubled[index(keys[first][3])] = 1;
+    kept[toIndex(keys[i][3])] = 0;
+    wasDoubled[toIndex(keys[first][3])] = 1;
     report.see(middle(faces, keys[i][3]));
   }
   if (report.count == 0) return report;
@@ -220,10 +219,10 @@ StepReport dropDoubled(LabelledFaces& faces) {
   // Patches of doubled faces, and whether they end at edges of three faces or more everywhere
   const SurfaceEdges edges = surfaceEdges(faces.F);
   DisjointSets patches(doubled.size());
-  const auto faceAt = [&](std::int32_t use) { return edges.slot[index(use)] / 3; };
+  const auto faceAt = [&](std::int32_t use) { return edges.slot[toIndex(use)] / 3; };
   for (std::size_t e = 0; e < edges.count(); ++e) {
     const std::int32_t u = edges.first[e];
-    if (edges.faceCount(e) == 2 && doubled[index(faceAt(u))] && doubled[index(faceAt(u + 1))]) {
+    if (edges.faceCount(e) == 2 && doubled[toIndex(faceAt(u))] && doubled[toIndex(faceAt(u + 1))]) {
       patches.unite(faceAt(u), faceAt(u + 1));
     }
   }
@@ -232,17 +231,18 @@ StepReport dropDoubled(LabelledFaces& faces) {
   for (std::size_t e = 0; e < edges.count(); ++e) {
     for (std::int32_t u = edges.first[e]; u < edges.first[e + 1]; ++u) {
       const std::int32_t f = faceAt(u);
-      if (doubled[index(f)] == 0) continue;
-      const bool inPatch = edges.faceCount(e) == 2 && doubled[index(faceAt(edges.first[e]))] != 0 &&
-                           doubled[index(faceAt(edges.first[e] + 1))] != 0;
+      if (doubled[toIndex(f)] == 0) continue;
+      const bool inPatch = edges.faceCount(e) == 2 &&
+                           doubled[toIndex(faceAt(edges.first[e]))] != 0 &&
+                           doubled[toIndex(faceAt(edges.first[e] + 1))] != 0;
       if (inPatch) continue;
-      ++borderEdges[index(patches.root(f))];
-      if (edges.faceCount(e) >= 3) ++wallEdges[index(patches.root(f))];
+      ++borderEdges[toIndex(patches.root(f))];
+      if (edges.faceCount(e) >= 3) ++wallEdges[toIndex(patches.root(f))];
     }
   }
   std::vector<char> wall(doubled.size(), 0);
   for (std::size_t f = 0; f < doubled.size(); ++f) {
-    const std::size_t patch = index(patches.root(static_cast<std::int32_t>(f)));
+    const std::size_t patch = toIndex(patches.root(static_cast<std::int32_t>(f)));
     wall[f] = doubled[f] != 0 && borderEdges[patch] > 0 && wallEdges[patch] == borderEdges[patch];
   }
   report.count += dropWalls(faces, wall, patches);
@@ -258,10 +258,10 @@ StepReport dropSpecks(LabelledFaces& faces, double extent) {
     double area = 0.0;
     bool open = false;
   };
-  std::vector<Piece> list(index(pieces.count));
+  std::vector<Piece> list(toIndex(pieces.count));
   double area = 0.0;
   for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
-    Piece& piece = list[index(pieces.label[index(f)])];
+    Piece& piece = list[toIndex(pieces.label[toIndex(f)])];
     const Vector3 a = at(faces, faces.F(f, 0));
     const Vector3 b = at(faces, faces.F(f, 1));
     const Vector3 c = at(faces, faces.F(f, 2));
@@ -273,7 +273,7 @@ StepReport dropSpecks(LabelledFaces& faces, double extent) {
   const SurfaceEdges edges = surfaceEdges(faces.F);
   for (std::size_t e = 0; e < edges.count(); ++e) {
     if (edges.faceCount(e) == 1)
-      list[index(pieces.label[index(edges.slot[index(edges.first[e])] / 3)])].open = true;
+      list[toIndex(pieces.label[toIndex(edges.slot[toIndex(edges.first[e])] / 3)])].open = true;
   }
   const auto largest =
       std::ranges::max_element(list, {}, [](const Piece& p) { return p.box.diagonal(); });
@@ -286,8 +286,8 @@ StepReport dropSpecks(LabelledFaces& faces, double extent) {
     report.see(list[p].box.centre(), list[p].box.diagonal());
   }
   if (report.count == 0) return report;
-  std::vector<char> kept(index(faces.F.rows()));
-  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = stays[index(pieces.label[f])];
+  std::vector<char> kept(toIndex(faces.F.rows()));
+  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = stays[toIndex(pieces.label[f])];
   faces.keep(kept);
   return report;
 }
@@ -313,10 +313,10 @@ std::vector<char> crumbs(const Positions& V, const Triangles& F, const FaceCompo
   // What hangs together by touching stays or goes together
   DisjointSets clusters(check.size());
   for (const auto& [f, g] : selfIntersections(V, F))
-    clusters.unite(pieces.label[index(f)], pieces.label[index(g)]);
+    clusters.unite(pieces.label[toIndex(f)], pieces.label[toIndex(g)]);
   std::vector<char> stays(check.size(), 0);
   const auto cluster = [&](std::size_t p) {
-    return index(clusters.root(static_cast<std::int32_t>(p)));
+    return toIndex(clusters.root(static_cast<std::int32_t>(p)));
   };
   for (std::size_t p = 0; p < check.size(); ++p) {
     if (goes[p] == 0) stays[cluster(p)] = 1;
@@ -334,8 +334,8 @@ StepReport dropCrumbs(LabelledFaces& faces) {
     if (goes[p] != 0) report.see(check[p].box.centre(), check[p].box.diagonal());
   }
   if (report.count == 0) return report;
-  std::vector<char> kept(index(faces.F.rows()));
-  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = goes[index(pieces.label[f])] == 0;
+  std::vector<char> kept(toIndex(faces.F.rows()));
+  for (std::size_t f = 0; f < kept.size(); ++f) kept[f] = goes[toIndex(pieces.label[f])] == 0;
   faces.keep(kept);
   return report;
 }
@@ -362,7 +362,7 @@ StepReport orientOutward(LabelledFaces& faces) {
     for (const std::size_t inner : bySize) {
       std::optional<std::size_t> outer;
       for (const std::int32_t holder : heldBy[inner]) {
-        const std::size_t h = index(holder);
+        const std::size_t h = toIndex(holder);
         if (nested[h] == 0 && size(h) > size(inner) && (!outer || size(h) > size(*outer)))
           outer = h;
       }
@@ -387,7 +387,7 @@ StepReport orientOutward(LabelledFaces& faces) {
     if (turned[p] != 0) report.see(check[p].box.centre(), std::abs(check[p].volume));
   }
   for (Eigen::Index f = 0; f < faces.F.rows(); ++f) {
-    if (turned[index(pieces.label[index(f)])] != 0) std::swap(faces.F(f, 1), faces.F(f, 2));
+    if (turned[toIndex(pieces.label[toIndex(f)])] != 0) std::swap(faces.F(f, 1), faces.F(f, 2));
   }
   return report;
 }

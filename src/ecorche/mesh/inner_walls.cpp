@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/disjoint_sets.h>
 #include <ecorche/mesh/hole_fill.h>
 #include <ecorche/mesh/inner_walls.h>
@@ -14,8 +15,6 @@
 namespace ecorche::mesh {
 
 namespace {
-
-std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // A face has two sides: where its normal points, and behind it.
 std::int32_t front(std::int32_t face) { return 2 * face; }
@@ -87,7 +86,7 @@ class Rooms {
  public:
   Rooms(const LabelledFaces& faces, const SurfaceEdges& edges, double holeRel)
       : faces_(faces), edges_(edges), pieces_(components(faces.F, edges)) {
-    pieceOf_.resize(index(pieces_.count));
+    pieceOf_.resize(toIndex(pieces_.count));
     join();
     lookAtHoles(holeRel);
     measure();
@@ -118,12 +117,14 @@ class Rooms {
     bool solid = false;
   };
 
-  [[nodiscard]] std::size_t roomAt(std::int32_t side) const { return index(room_[index(side)]); }
+  [[nodiscard]] std::size_t roomAt(std::int32_t side) const {
+    return toIndex(room_[toIndex(side)]);
+  }
   [[nodiscard]] Piece& pieceAt(std::int32_t face) {
-    return pieceOf_[index(pieces_.label[index(face)])];
+    return pieceOf_[toIndex(pieces_.label[toIndex(face)])];
   }
   [[nodiscard]] const Piece& pieceAt(std::int32_t face) const {
-    return pieceOf_[index(pieces_.label[index(face)])];
+    return pieceOf_[toIndex(pieces_.label[toIndex(face)])];
   }
   [[nodiscard]] std::int32_t faceCount() const {
     return static_cast<std::int32_t>(faces_.F.rows());
@@ -132,19 +133,19 @@ class Rooms {
     return faces_.V.row(faces_.F(face, k)).transpose();
   }
   [[nodiscard]] bool isOutside(std::size_t room) const {
-    return index(pieceOf_[index(rooms_[room].piece)].outside) == room;
+    return toIndex(pieceOf_[toIndex(rooms_[room].piece)].outside) == room;
   }
 
   // Sides that see each other around an edge are of one room. At an open edge none do: what is
   // missing there is taken for filled.
   void join() {
-    DisjointSets sides(2 * index(faceCount()));
+    DisjointSets sides(2 * toIndex(faceCount()));
     const Turn turn(faces_, edges_);
     for (std::size_t e = 0; e < edges_.count(); ++e) {
       if (edges_.faceCount(e) < 2) continue;
       const auto order = turn.around(e);
       if (!order) {
-        pieceAt(edges_.slot[index(edges_.first[e])] / 3).unclear = true;
+        pieceAt(edges_.slot[toIndex(edges_.first[e])] / 3).unclear = true;
         continue;
       }
       for (std::size_t k = 0; k < order->size(); ++k) {
@@ -152,7 +153,7 @@ class Rooms {
         sides.unite(turn.onward(e, (*order)[k]), turn.backward(e, next));
       }
     }
-    rooms_.resize(index(sides.label(room_)));
+    rooms_.resize(toIndex(sides.label(room_)));
   }
 
   void lookAtHoles(double holeRel) {
@@ -162,10 +163,10 @@ class Rooms {
     for (const Border& border : borders(edges_)) {
       Box box;
       for (const std::int32_t e : border.edges) {
-        for (const std::int32_t v : edges_.ends[index(e)]) box.add(faces_.V.row(v).transpose());
+        for (const std::int32_t v : edges_.ends[toIndex(e)]) box.add(faces_.V.row(v).transpose());
       }
       for (const std::int32_t e : border.edges) {
-        Piece& piece = pieceAt(edges_.slot[index(edges_.first[index(e)])] / 3);
+        Piece& piece = pieceAt(edges_.slot[toIndex(edges_.first[toIndex(e)])] / 3);
         if (!isSmallHole(box.diagonal(), border.edges.size(), piece.box.diagonal(), holeRel))
           piece.unclear = true;
       }
@@ -173,16 +174,16 @@ class Rooms {
   }
 
   void measure() {
-    area_.resize(index(faceCount()));
+    area_.resize(toIndex(faceCount()));
     for (std::int32_t f = 0; f < faceCount(); ++f) {
       const Vector3 centre = pieceAt(f).box.centre();
       const Vector3 a = corner(f, 0) - centre;
       const Vector3 b = corner(f, 1) - centre;
       const Vector3 c = corner(f, 2) - centre;
       const double volume = a.dot(b.cross(c)) / 6.0;
-      area_[index(f)] = 0.5 * (b - a).cross(c - a).norm();
+      area_[toIndex(f)] = 0.5 * (b - a).cross(c - a).norm();
       for (const std::int32_t side : {front(f), back(f)}) {
-        rooms_[roomAt(side)].piece = pieces_.label[index(f)];
+        rooms_[roomAt(side)].piece = pieces_.label[toIndex(f)];
         rooms_[roomAt(side)].volume += side == back(f) ? volume : -volume;
       }
     }
@@ -195,7 +196,7 @@ class Rooms {
       return room.volume > -1e-12 * std::pow(piece.box.diagonal(), 3.0);
     };
     for (std::size_t r = 0; r < rooms_.size(); ++r) {
-      Piece& piece = pieceOf_[index(rooms_[r].piece)];
+      Piece& piece = pieceOf_[toIndex(rooms_[r].piece)];
       if (none(rooms_[r], piece)) continue;
       if (piece.outside >= 0) piece.unclear = true;
       piece.outside = static_cast<std::int32_t>(r);
@@ -213,16 +214,16 @@ class Rooms {
       behind.left = true;
       if (isOutside(roomAt(front(f)))) {
         behind.atSkin = true;
-        pieceAt(f).outward += area_[index(f)];
+        pieceAt(f).outward += area_[toIndex(f)];
       }
       if (isOutside(roomAt(back(f)))) {
         before.atSkin = true;
-        pieceAt(f).outward -= area_[index(f)];
+        pieceAt(f).outward -= area_[toIndex(f)];
       }
     }
     for (std::size_t r = 0; r < rooms_.size(); ++r) {
       Room& room = rooms_[r];
-      const bool turned = pieceOf_[index(room.piece)].outward < 0.0;  // inside out altogether
+      const bool turned = pieceOf_[toIndex(room.piece)].outward < 0.0;  // inside out altogether
       room.solid = !isOutside(r) && (room.atSkin || (turned ? room.seen : room.left));
     }
   }
@@ -264,7 +265,7 @@ StepReport dropInnerWalls(LabelledFaces& faces, double holeRel) {
   for (std::size_t e = 0; e < edges.count(); ++e) {
     const std::int32_t u = edges.first[e];
     if (edges.faceCount(e) == 2)
-      walls.unite(edges.slot[index(u)] / 3, edges.slot[index(u + 1)] / 3);
+      walls.unite(edges.slot[toIndex(u)] / 3, edges.slot[toIndex(u + 1)] / 3);
   }
   std::map<std::int32_t, Box> boxes;  // of each, by its first face
   for (std::size_t f = 0; f < kept.size(); ++f) {

@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/nesting.h>
 #include <ecorche/mesh/surface_query.h>
 
@@ -8,8 +9,6 @@
 namespace ecorche::mesh {
 
 namespace {
-
-std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 bool around(const Box& outer, const Box& inner) {
   return (outer.lo.array() <= inner.lo.array()).all() &&
@@ -29,7 +28,7 @@ class Nesting {
       boxes_.push_back(box);
     }
     for (Eigen::Index f = 0; f < F.rows(); ++f) {
-      if (mayHold[index(pieces.label[index(f)])] != 0) holding_.push_back(f);
+      if (mayHold[toIndex(pieces.label[toIndex(f)])] != 0) holding_.push_back(f);
     }
     const Triangles all = F(holding_, Eigen::all);
     all_.emplace(V, all);
@@ -39,9 +38,9 @@ class Nesting {
   [[nodiscard]] std::vector<std::int32_t> holdersOf(std::int32_t piece) {
     const Vector3 kAside(0.36, 0.48, 0.8);
     std::vector<std::int32_t> met;
-    const Vector3 from = corner(faces_[index(piece)].front(), 0);
+    const Vector3 from = corner(faces_[toIndex(piece)].front(), 0);
     for (const SurfaceQuery::Hit& hit : all_->allHits(from, kAside))
-      met.push_back(pieces_.label[index(holding_[index(hit.face)])]);
+      met.push_back(pieces_.label[toIndex(holding_[toIndex(hit.face)])]);
     std::ranges::sort(met);
     const auto repeated = std::ranges::unique(met);
     met.erase(repeated.begin(), repeated.end());
@@ -52,13 +51,13 @@ class Nesting {
  private:
   [[nodiscard]] Vector3 corner(Eigen::Index f, int k) const { return V_.row(F_(f, k)).transpose(); }
   [[nodiscard]] bool holds(std::int32_t outer, std::int32_t inner) {
-    if (!around(boxes_[index(outer)], boxes_[index(inner)])) return false;
-    auto& query = own_[index(outer)];
+    if (!around(boxes_[toIndex(outer)], boxes_[toIndex(inner)])) return false;
+    auto& query = own_[toIndex(outer)];
     if (!query) {
-      const Triangles F = F_(faces_[index(outer)], Eigen::all);
+      const Triangles F = F_(faces_[toIndex(outer)], Eigen::all);
       query = std::make_unique<SurfaceQuery>(V_, F);
     }
-    for (const Eigen::Index f : faces_[index(inner)]) {
+    for (const Eigen::Index f : faces_[toIndex(inner)]) {
       if (const auto winding = query->windingNumber(corner(f, 0))) return *winding != 0;
     }
     return false;
@@ -77,9 +76,9 @@ class Nesting {
 }  // namespace
 
 std::vector<std::vector<Eigen::Index>> facesByPiece(const FaceComponents& pieces) {
-  std::vector<std::vector<Eigen::Index>> out(index(pieces.count));
+  std::vector<std::vector<Eigen::Index>> out(toIndex(pieces.count));
   for (std::size_t f = 0; f < pieces.label.size(); ++f)
-    out[index(pieces.label[f])].push_back(static_cast<Eigen::Index>(f));
+    out[toIndex(pieces.label[f])].push_back(static_cast<Eigen::Index>(f));
   return out;
 }
 
@@ -87,11 +86,11 @@ std::vector<std::vector<std::int32_t>> holders(const Positions& V, const Triangl
                                                const FaceComponents& pieces,
                                                const std::vector<char>& mayHold,
                                                const std::vector<char>& asked) {
-  std::vector<std::vector<std::int32_t>> out(index(pieces.count));
+  std::vector<std::vector<std::int32_t>> out(toIndex(pieces.count));
   if (std::ranges::count(mayHold, 0) == std::ssize(mayHold)) return out;
   Nesting nesting(V, F, pieces, mayHold);
   for (std::int32_t p = 0; p < pieces.count; ++p) {
-    if (asked[index(p)] != 0) out[index(p)] = nesting.holdersOf(p);
+    if (asked[toIndex(p)] != 0) out[toIndex(p)] = nesting.holdersOf(p);
   }
   return out;
 }

@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/open_sheets.h>
 #include <fmt/format.h>
 
@@ -15,8 +16,6 @@ constexpr double kNarrow = 40.0;  // perimeter² by area: 16 of a square, 48 of 
 constexpr double kAlong = 0.05;   // of a sheet's extent: borders that near run along one another
 constexpr std::int64_t kMostPairs = 20000000;
 constexpr double kMostAlong = 0.6;  // of a sheet's border; more of it along others: cracked off
-
-std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 using Segment = std::array<Vector3, 2>;
 
@@ -49,10 +48,10 @@ struct Piece {
 
 std::vector<Piece> measured(const Positions& V, const Triangles& F, const SurfaceEdges& edges,
                             const FaceComponents& pieces) {
-  std::vector<Piece> out(index(pieces.count));
+  std::vector<Piece> out(toIndex(pieces.count));
   const auto at = [&](std::int32_t v) -> Vector3 { return V.row(v).transpose(); };
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
-    Piece& piece = out[index(pieces.label[index(f)])];
+    Piece& piece = out[toIndex(pieces.label[toIndex(f)])];
     const Vector3 a = at(F(f, 0));
     const Vector3 own = 0.5 * (at(F(f, 1)) - a).cross(at(F(f, 2)) - a);
     piece.areaVector += own;
@@ -64,11 +63,11 @@ std::vector<Piece> measured(const Positions& V, const Triangles& F, const Surfac
   std::int64_t number = 0;
   for (const Border& border : borders(edges)) {
     for (const std::int32_t e : border.edges) {
-      const std::int32_t face = edges.slot[index(edges.first[index(e)])] / 3;
-      const std::size_t p = index(pieces.label[index(face)]);
+      const std::int32_t face = edges.slot[toIndex(edges.first[toIndex(e)])] / 3;
+      const std::size_t p = toIndex(pieces.label[toIndex(face)]);
       Piece& piece = out[p];
       if (std::exchange(lastSeen[p], number) != number) ++piece.borders;
-      const auto [a, b] = edges.ends[index(e)];
+      const auto [a, b] = edges.ends[toIndex(e)];
       piece.border.push_back({at(a), at(b)});
       piece.perimeter += (at(a) - at(b)).norm();
     }
@@ -96,7 +95,7 @@ double shareAlong(const Piece& sheet, const std::vector<const Piece*>& others) {
 
 std::vector<char> openSheets(const Positions& V, const Triangles& F, const SurfaceEdges& edges,
                              const FaceComponents& pieces) {
-  std::vector<char> sheet(index(pieces.count), 0);
+  std::vector<char> sheet(toIndex(pieces.count), 0);
   if (pieces.count < 2) return sheet;
   const std::vector<Piece> list = measured(V, F, edges, pieces);
   std::ranges::transform(list, sheet.begin(), [](const Piece& p) { return p.looksLikeSheet(); });

@@ -1,4 +1,5 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/open_sheets.h>
 #include <ecorche/mesh/self_intersection.h>
 #include <ecorche/mesh/surface_check.h>
@@ -18,8 +19,6 @@ namespace {
 
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 constexpr std::size_t kToldApart = 8;  // of what there may be thousands of
 
 class Checker {
@@ -32,8 +31,8 @@ class Checker {
     faces();
     edges_ = surfaceEdges(mesh_.F);
     labels_ = components(mesh_.F, edges_);
-    faceCount_.assign(index(labels_.count), 0);
-    for (const std::int32_t piece : labels_.label) ++faceCount_[index(piece)];
+    faceCount_.assign(toIndex(labels_.count), 0);
+    for (const std::int32_t piece : labels_.label) ++faceCount_[toIndex(piece)];
     edges();
     fans();
     holes();
@@ -66,7 +65,7 @@ class Checker {
 
   void vertices() {
     std::vector<char> used(static_cast<std::size_t>(mesh_.V.rows()), 0);
-    for (const std::int32_t v : mesh_.F.reshaped()) used[index(v)] = 1;
+    for (const std::int32_t v : mesh_.F.reshaped()) used[toIndex(v)] = 1;
     std::optional<Vector3> unused;
     std::optional<Vector3> repeated;
     VertexWelder welder(used.size());
@@ -133,7 +132,7 @@ class Checker {
       if (faces > 2 && check_.nonManifoldEdges++ == 0) crowded = place;
       if (faces != 2) continue;
       const auto runsUp = [&](std::int32_t use) {
-        const std::int32_t s = edges_.slot[index(edges_.first[e] + use)];
+        const std::int32_t s = edges_.slot[toIndex(edges_.first[e] + use)];
         return mesh_.F(s / 3, s % 3) == a;
       };
       if (runsUp(0) == runsUp(1) && check_.inconsistentEdges++ == 0) flipped = place;
@@ -158,7 +157,7 @@ class Checker {
       SurfaceCheck::Hole hole;
       Box box;
       for (const std::int32_t e : border.edges) {
-        const auto [a, b] = edges_.ends[index(e)];
+        const auto [a, b] = edges_.ends[toIndex(e)];
         box.add(at(a));
         box.add(at(b));
         hole.perimeter += (at(a) - at(b)).norm();
@@ -166,23 +165,23 @@ class Checker {
       hole.place = box.centre();
       hole.extent = box.diagonal();
       hole.edges = static_cast<std::int64_t>(border.edges.size());
-      const std::int32_t slot = edges_.slot[index(edges_.first[index(border.edges.front())])];
-      hole.piece = labels_.label[index(slot / 3)];
+      const std::int32_t slot = edges_.slot[toIndex(edges_.first[toIndex(border.edges.front())])];
+      hole.piece = labels_.label[toIndex(slot / 3)];
       hole.box = box;
       check_.holes.push_back(hole);
     }
     std::ranges::stable_sort(check_.holes, std::greater{}, &SurfaceCheck::Hole::extent);
     const std::vector<char> sheet = check_.holes.empty()
-                                        ? std::vector<char>(index(labels_.count), 0)
+                                        ? std::vector<char>(toIndex(labels_.count), 0)
                                         : openSheets(mesh_.V, mesh_.F, edges_, labels_);
     tellSheets(sheet);
     std::vector<SurfaceCheck::Hole> told;
     std::ranges::copy_if(check_.holes, std::back_inserter(told),
-                         [&](const auto& hole) { return sheet[index(hole.piece)] == 0; });
+                         [&](const auto& hole) { return sheet[toIndex(hole.piece)] == 0; });
     // The largest one by one; a mesh whose faces all stand alone has thousands of others
     for (std::size_t h = 0; h < std::min(kToldApart, told.size()); ++h) {
       const auto& hole = told[h];
-      if (faceCount_[index(hole.piece)] == 1) {
+      if (faceCount_[toIndex(hole.piece)] == 1) {
         find(Severity::Warning, "lone-face",
              fmt::format("a triangle hangs together with nothing, {:.3g} m across", hole.extent),
              hole.place, hole.extent);
@@ -208,10 +207,10 @@ class Checker {
       const Part& part = mesh_.parts[p];
       const auto first = labels_.label.begin() + part.firstFace;
       partIs[p] = std::any_of(first, first + part.faceCount,
-                              [&](std::int32_t piece) { return sheet[index(piece)] != 0; });
+                              [&](std::int32_t piece) { return sheet[toIndex(piece)] != 0; });
     }
     for (const auto& hole : check_.holes) {
-      if (sheet[index(hole.piece)] != 0) boxes[index(hole.piece)].add(hole.box);
+      if (sheet[toIndex(hole.piece)] != 0) boxes[toIndex(hole.piece)].add(hole.box);
     }
     std::int64_t count = 0;
     const Box* widest = nullptr;
@@ -230,14 +229,14 @@ class Checker {
 
   void pieces() {
     auto& list = check_.components;
-    list.resize(index(labels_.count));
+    list.resize(toIndex(labels_.count));
     for (auto& c : list) {
       c.firstFace = -1;
       c.closed = true;
     }
     const Vector3 origin = boundingBox(mesh_).centre();
     for (Eigen::Index f = 0; f < mesh_.F.rows(); ++f) {
-      auto& c = list[index(labels_.label[static_cast<std::size_t>(f)])];
+      auto& c = list[toIndex(labels_.label[static_cast<std::size_t>(f)])];
       if (c.firstFace < 0) c.firstFace = static_cast<std::int32_t>(f);
       ++c.faces;
       const Vector3 p = at(mesh_.F(f, 0)) - origin;
@@ -252,22 +251,22 @@ class Checker {
     std::vector<std::int64_t> edgeCount(list.size(), 0);
     std::vector<char> manifold(list.size(), 1);
     for (std::size_t e = 0; e < edges_.count(); ++e) {
-      const auto piece = index(labels_.label[index(edges_.slot[index(edges_.first[e])] / 3)]);
+      const auto piece = toIndex(labels_.label[toIndex(edges_.slot[toIndex(edges_.first[e])] / 3)]);
       ++edgeCount[piece];
       if (edges_.faceCount(e) != 2) manifold[piece] = 0;
       std::int32_t balance = 0;
       for (std::int32_t u = edges_.first[e]; u < edges_.first[e + 1]; ++u) {
-        const std::int32_t s = edges_.slot[index(u)];
+        const std::int32_t s = edges_.slot[toIndex(u)];
         balance += mesh_.F(s / 3, s % 3) == edges_.ends[e][0] ? 1 : -1;
       }
       if (balance != 0) list[piece].closed = false;
     }
     // Fans stand for vertices, so that pieces which touch in a vertex count it once each
     std::vector<std::int64_t> fanCount(list.size(), 0);
-    std::vector<char> fanSeen(index(fans_.count), 0);
+    std::vector<char> fanSeen(toIndex(fans_.count), 0);
     for (std::size_t c = 0; c < fans_.fanOfCorner.size(); ++c) {
-      char& seen = fanSeen[index(fans_.fanOfCorner[c])];
-      if (seen == 0) ++fanCount[index(labels_.label[c / 3])];
+      char& seen = fanSeen[toIndex(fans_.fanOfCorner[c])];
+      if (seen == 0) ++fanCount[toIndex(labels_.label[c / 3])];
       seen = 1;
     }
     for (std::size_t i = 0; i < list.size(); ++i) {

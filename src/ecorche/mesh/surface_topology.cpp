@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/mesh/disjoint_sets.h>
 #include <ecorche/mesh/surface_topology.h>
@@ -9,8 +10,6 @@
 namespace ecorche::mesh {
 
 namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 struct EdgeUse {
   std::int32_t a;
@@ -72,7 +71,7 @@ bool isOriented(const Triangles& F) {
   for (std::size_t e = 0; e < edges.count(); ++e) {
     std::int32_t balance = 0;  // faces that run upwards minus those that run downwards
     for (std::int32_t u = edges.first[e]; u < edges.first[e + 1]; ++u) {
-      const std::int32_t s = edges.slot[index(u)];
+      const std::int32_t s = edges.slot[toIndex(u)];
       balance += F(s / 3, s % 3) == edges.ends[e][0] ? 1 : -1;
     }
     if (std::abs(balance) != edges.faceCount(e) % 2) return false;
@@ -85,9 +84,9 @@ FaceComponents components(const Triangles& F) { return components(F, surfaceEdge
 FaceComponents components(const Triangles& F, const SurfaceEdges& edges) {
   DisjointSets sets(static_cast<std::size_t>(F.rows()));
   for (std::size_t e = 0; e < edges.count(); ++e) {
-    const std::int32_t head = edges.slot[index(edges.first[e])] / 3;
+    const std::int32_t head = edges.slot[toIndex(edges.first[e])] / 3;
     for (std::int32_t u = edges.first[e] + 1; u < edges.first[e + 1]; ++u) {
-      sets.unite(head, edges.slot[index(u)] / 3);
+      sets.unite(head, edges.slot[toIndex(u)] / 3);
     }
   }
   FaceComponents out;
@@ -101,21 +100,21 @@ VertexFans vertexFans(const Triangles& F, const SurfaceEdges& edges) {
     return F(slot / 3, slot % 3) == vertex ? slot : nextCorner(slot);
   };
   for (std::size_t e = 0; e < edges.count(); ++e) {
-    const std::int32_t head = edges.slot[index(edges.first[e])];
+    const std::int32_t head = edges.slot[toIndex(edges.first[e])];
     for (std::int32_t u = edges.first[e] + 1; u < edges.first[e + 1]; ++u) {
       for (const std::int32_t v : edges.ends[e])
-        corners.unite(cornerAt(head, v), cornerAt(edges.slot[index(u)], v));
+        corners.unite(cornerAt(head, v), cornerAt(edges.slot[toIndex(u)], v));
     }
   }
   VertexFans out;
   out.count = corners.label(out.fanOfCorner);
 
-  std::vector<std::int32_t> fanOfVertex(F.size() > 0 ? index(F.maxCoeff()) + 1 : 0, -1);
+  std::vector<std::int32_t> fanOfVertex(F.size() > 0 ? toIndex(F.maxCoeff()) + 1 : 0, -1);
   for (std::size_t c = 0; c < out.fanOfCorner.size(); ++c) {
     const auto f = static_cast<Eigen::Index>(c / 3);
     if (F(f, 0) == F(f, 1) || F(f, 1) == F(f, 2) || F(f, 2) == F(f, 0)) continue;
     const std::int32_t v = F(f, static_cast<Eigen::Index>(c % 3));
-    std::int32_t& known = fanOfVertex[index(v)];
+    std::int32_t& known = fanOfVertex[toIndex(v)];
     if (known < 0) known = out.fanOfCorner[c];
     if (known != out.fanOfCorner[c]) out.nonManifoldVertices.push_back(v);
   }
@@ -134,14 +133,14 @@ std::vector<Border> borders(const SurfaceEdges& edges) {
   DisjointSets sets(open.size());
   std::unordered_map<std::int32_t, std::int32_t> firstAt;  // vertex → an open edge there
   for (std::size_t i = 0; i < open.size(); ++i) {
-    for (const std::int32_t v : edges.ends[index(open[i])]) {
+    for (const std::int32_t v : edges.ends[toIndex(open[i])]) {
       const auto [at, isNew] = firstAt.try_emplace(v, static_cast<std::int32_t>(i));
       if (!isNew) sets.unite(at->second, static_cast<std::int32_t>(i));
     }
   }
   std::vector<std::int32_t> label;
-  std::vector<Border> out(index(sets.label(label)));
-  for (std::size_t i = 0; i < open.size(); ++i) out[index(label[i])].edges.push_back(open[i]);
+  std::vector<Border> out(toIndex(sets.label(label)));
+  for (std::size_t i = 0; i < open.size(); ++i) out[toIndex(label[i])].edges.push_back(open[i]);
   return out;
 }
 

@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <ecorche/mesh/t_junctions.h>
 
@@ -7,8 +8,6 @@
 namespace ecorche::mesh {
 
 namespace {
-
-std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// A vertex within an edge, how far along.
 struct Stop {
@@ -71,18 +70,18 @@ StepReport splitAtTJunctions(LabelledFaces& faces, double tolerance) {
     std::vector<Stop> stops;
   };
   std::vector<Fan> fans;
-  std::vector<char> touched(index(faces.F.rows()), 0);  // one side of a face at a time
+  std::vector<char> touched(toIndex(faces.F.rows()), 0);  // one side of a face at a time
   for (std::size_t e = 0; e < edges.count(); ++e) {
     if (edges.faceCount(e) != 1) continue;
-    const std::int32_t slot = edges.slot[index(edges.first[e])];
+    const std::int32_t slot = edges.slot[toIndex(edges.first[e])];
     const std::int32_t f = slot / 3;
-    if (touched[index(f)] != 0) continue;
+    if (touched[toIndex(f)] != 0) continue;
     const std::int32_t a = faces.F(f, slot % 3);
     const std::int32_t b = faces.F(f, (slot % 3 + 1) % 3);
     auto stops = vertices.within(a, b, tolerance);
     std::erase_if(stops, [&](const Stop& s) { return s.vertex == faces.F(f, (slot % 3 + 2) % 3); });
     if (stops.empty()) continue;
-    touched[index(f)] = 1;
+    touched[toIndex(f)] = 1;
     fans.push_back({slot, std::move(stops)});
   }
   for (const Fan& fan : fans) {
@@ -98,7 +97,7 @@ StepReport splitAtTJunctions(LabelledFaces& faces, double tolerance) {
       const bool last = s + 1 == fan.stops.size();
       faces.F.row(first + static_cast<Eigen::Index>(s)) << fan.stops[s].vertex,
           (last ? b : fan.stops[s + 1].vertex), apex;
-      faces.label.push_back(faces.label[index(f)]);
+      faces.label.push_back(faces.label[toIndex(f)]);
       report.see(faces.V.row(fan.stops[s].vertex).transpose(), fan.stops[s].away);
     }
   }

@@ -176,7 +176,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   std::vector<Json*> open_;
 };
 
-std::string quoted(const std::string& text) {
+std::string asText(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -200,7 +200,7 @@ void printInline(const Json& value, std::string& out) {
       out += value.text;
       return;
     case Json::Kind::String:
-      out += quoted(value.text);
+      out += asText(value.text);
       return;
     case Json::Kind::Array:
     case Json::Kind::Object:
@@ -210,7 +210,7 @@ void printInline(const Json& value, std::string& out) {
   out += object ? '{' : '[';
   for (std::size_t k = 0; k < value.items.size(); ++k) {
     if (k > 0) out += ", ";
-    if (object) out += quoted(value.keys[k].name) + ": ";
+    if (object) out += asText(value.keys[k].name) + ": ";
     printInline(value.items[k], out);
   }
   out += object ? '}' : ']';
@@ -231,7 +231,7 @@ void print(const Json& value, std::size_t indent, std::size_t used, std::string&
   for (std::size_t k = 0; k < value.items.size(); ++k) {
     const std::size_t begin = out.size();
     out += std::string(indent + 2, ' ');
-    if (object) out += quoted(value.keys[k].name) + ": ";
+    if (object) out += asText(value.keys[k].name) + ": ";
     print(value.items[k], indent + 2, out.size() - begin, out);
     out += k + 1 < value.items.size() ? ",\n" : "\n";
   }

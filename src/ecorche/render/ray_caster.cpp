@@ -17,7 +17,7 @@ namespace {
 
 using mesh::Vector3;
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kNothingMet = std::numeric_limits<double>::infinity();
 
 // The part of the ray inside one tet.
 struct Step {
@@ -130,7 +130,7 @@ class Caster {
   void pieces(Ray ray, const Visit& visit) {
     ray.from += nudge_;
     double keptFrom = 0.0;
-    double keptTo = kFar;
+    double keptTo = kNothingMet;
     bool cut = false;
     if (clip_) {
       const double here = clip_->normal.dot(ray.from - clip_->point);
@@ -244,7 +244,7 @@ class Caster {
     const double length = to - from;
     while (true) {
       // The next line that rises above the one on top
-      double nextS = kFar;
+      double nextS = kNothingMet;
       std::size_t next = top;
       for (std::size_t i = first; i < columns; ++i) {
         if (!(rate_[i] > rate_[top])) continue;

@@ -17,7 +17,7 @@ void Background::start(std::function<void(RunContext&)> work, std::function<void
   run_ = std::make_shared<RunContext>([this](std::string_view stage, double fraction) {
     const QString text = QString::fromUtf8(stage.data(), static_cast<qsizetype>(stage.size()));
     QMetaObject::invokeMethod(
-        this, [this, text, fraction] { emit progressed(text, fraction); }, Qt::QueuedConnection);
+        this, [this, text, fraction] { Q_EMIT progressed(text, fraction); }, Qt::QueuedConnection);
   });
   thread_ = std::thread([this, run = run_, work = std::move(work), done = std::move(done)] {
     work(*run);

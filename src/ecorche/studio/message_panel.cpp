@@ -19,7 +19,7 @@ MessagePanel::MessagePanel(Session& session, QWidget* parent) : QListWidget(pare
   connect(&session, &Session::told, this, &MessagePanel::add);
   connect(this, &QListWidget::itemClicked, this, [this](QListWidgetItem* item) {
     const QVariantList p = item->data(kPlaceRole).toList();
-    if (p.size() == 3) emit flyTo({p[0].toDouble(), p[1].toDouble(), p[2].toDouble()});
+    if (p.size() == 3) Q_EMIT flyTo({p[0].toDouble(), p[1].toDouble(), p[2].toDouble()});
   });
 }
 

@@ -53,7 +53,7 @@ bool SelectTool::press(const Touch& touch) {
   if (const auto spread = gizmo()) {
     if (const auto part = spread->under(touch.pixel)) {
       held_ = Held{session().selection(), Vector3::Zero(), touch.pixel, false, spread, *part};
-      emit hintChanged();
+      Q_EMIT hintChanged();
       return true;
     }
   }
@@ -63,7 +63,7 @@ bool SelectTool::press(const Touch& touch) {
   if (nothing) return false;
   held_ = Held{what, Vector3::Zero(), touch.pixel, false, nullptr, {}};
   if (const model::ControlPoint* point = pointOf(session(), what)) held_->at = point->at;
-  emit hintChanged();
+  Q_EMIT hintChanged();
   return true;
 }
 
@@ -131,7 +131,7 @@ void SelectTool::release(const Touch& touch) {
                             .arg(QString::fromStdString(held_->what.tissue)));
   held_.reset();
   hover(touch);
-  emit hintChanged();
+  Q_EMIT hintChanged();
 }
 
 void SelectTool::doubleClick(const Touch& touch) {

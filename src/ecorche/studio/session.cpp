@@ -60,9 +60,9 @@ void Session::start(model::Project project, std::filesystem::path file, bool sav
   display_ = {};
   display_.fine = fine;
   firstRequest_ = request_ + 1;
-  emit selectionChanged();
-  emit displayChanged();
-  emit liveChanged();
+  Q_EMIT selectionChanged();
+  Q_EMIT displayChanged();
+  Q_EMIT liveChanged();
   changed(true);
 }
 
@@ -76,7 +76,7 @@ Result<void> Session::save(const std::filesystem::path& file) {
   if (moved) history_->moveTo(folder);
   file_ = file;
   saved_ = history_->project();
-  emit projectChanged();
+  Q_EMIT projectChanged();
   return {};
 }
 
@@ -122,7 +122,7 @@ bool Session::perform(const std::vector<model::Command>& commands, const QString
   draft_.reset();
   const auto refuse = [&](const Error& error) {
     tell(Severity::Error, QString::fromStdString(error.message), error.place.point);
-    emit projectChanged();
+    Q_EMIT projectChanged();
     return false;
   };
   auto all = withFollowers(commands);
@@ -188,7 +188,7 @@ std::string Session::script() const {
 void Session::select(const Selection& selection) {
   if (selection == selection_) return;
   selection_ = selection;
-  emit selectionChanged();
+  Q_EMIT selectionChanged();
 }
 
 const model::Tissue* Session::selectedTissue() const {
@@ -198,7 +198,7 @@ const model::Tissue* Session::selectedTissue() const {
 
 void Session::setDisplay(const Display& display) {
   display_ = display;
-  emit displayChanged();
+  Q_EMIT displayChanged();
   direct();
 }
 
@@ -233,13 +233,13 @@ std::optional<MirrorPlane> Session::mirrorPlane() const {
 }
 
 void Session::tell(Severity severity, const QString& text, std::optional<mesh::Vector3> place) {
-  emit told(severity, text, place);
+  Q_EMIT told(severity, text, place);
 }
 
 void Session::changed(bool anew) {
   forgetWhatIsGone();
   followEdits();
-  emit projectChanged();
+  Q_EMIT projectChanged();
   if (!open_) return;
   setSettled(false);
   // Under the hand fields follow; what would be solved for would be old before it is there, and
@@ -272,7 +272,7 @@ void Session::forgetWhatIsGone() {
   if (!s.bone.empty() && !model::findBone(project(), s.bone)) s.bone.clear();
   if (display_.solo && !model::findTissue(project(), *display_.solo)) {
     display_.solo.reset();
-    emit displayChanged();
+    Q_EMIT displayChanged();
   }
   select(s);
 }
@@ -280,7 +280,7 @@ void Session::forgetWhatIsGone() {
 void Session::setSettled(bool settled) {
   if (settled == settled_) return;
   settled_ = settled;
-  emit settledChanged();
+  Q_EMIT settledChanged();
 }
 
 }  // namespace ecorche::studio

@@ -69,7 +69,7 @@ void Session::keepVolume(const std::string& tissue, bool on) {
   keptVolumes_.erase(tissue);
   const auto entry = entryOf(tissue);
   if (on && entry) keptVolumes_[tissue] = tissue::volumeOf(*tissues_->fields, *entry);
-  emit selectionChanged();
+  Q_EMIT selectionChanged();
 }
 
 // Part of the step that changed them: undone with it.
@@ -118,15 +118,15 @@ Session::FieldEdits Session::takeFieldEdits() {
 void Session::take(const engine::LiveUpdate& update) {
   if (update.revision < firstRequest_) return;
   if (const auto* progress = std::get_if<engine::LiveProgress>(&update.what)) {
-    emit progressed(QString::fromStdString(progress->stage), progress->fraction);
+    Q_EMIT progressed(QString::fromStdString(progress->stage), progress->fraction);
   } else if (const auto* meshes =
                  std::get_if<std::shared_ptr<const engine::LiveMeshes>>(&update.what)) {
     meshes_ = *meshes;
-    emit liveChanged();
+    Q_EMIT liveChanged();
   } else if (const auto* domain =
                  std::get_if<std::shared_ptr<const domain::DomainBuild>>(&update.what)) {
     domain_ = *domain;
-    emit liveChanged();
+    Q_EMIT liveChanged();
   } else if (const auto* tissues =
                  std::get_if<std::shared_ptr<engine::LiveTissues>>(&update.what)) {
     coming_ = *tissues;
@@ -166,7 +166,7 @@ void Session::prepareTissues() {
           showTissues(tissues);
         }
         prepareTissues();  // those that came meanwhile
-        emit settledChanged();
+        Q_EMIT settledChanged();
       });
 }
 
@@ -186,7 +186,7 @@ void Session::showTissues(const std::shared_ptr<engine::LiveTissues>& tissues) {
   findingsTold_ = std::move(now);
   flow_.reset();
   flowIsNew_ = false;
-  emit liveChanged();
+  Q_EMIT liveChanged();
   direct();
   keepVolumes();
 }
@@ -213,10 +213,10 @@ void Session::direct() {
       [this, made, of = tissues_] {
         if (of == tissues_) {
           flow_ = *made;
-          emit displayChanged();
+          Q_EMIT displayChanged();
         }
         direct();  // again, if something has changed meanwhile
-        emit settledChanged();
+        Q_EMIT settledChanged();
       });
 }
 
@@ -227,7 +227,7 @@ void Session::followEdits() {
   // Until moved curves are solved for, values wait
   const bool edited = !tissues_->fields->isAdrift() && followValues();
   if (!moved && !edited) return;
-  emit fieldsChanged();
+  Q_EMIT fieldsChanged();
   // Volumes take longer than a frame, and a copy of the fields: they follow when the hand rests
   restForMeasuring_.start(kRestMs);
 }
@@ -320,13 +320,13 @@ void Session::measure() {
       [this, volumes, of = tissues_] {
         if (of == tissues_) {
           volumes_ = *volumes;
-          emit volumesChanged();
+          Q_EMIT volumesChanged();
           // Owners are other ones, and so is whose curves a vertex follows; until that is known the
           // old directions are shown
           flowIsNew_ = false;
           direct();
         }
-        emit settledChanged();
+        Q_EMIT settledChanged();
       });
 }
 

@@ -71,7 +71,7 @@ void StartPage::setRecent(const QStringList& files) {
     link->setToolTip(file);
     link->setCursor(Qt::PointingHandCursor);
     link->setStyleSheet("text-align: left;");
-    connect(link, &QPushButton::clicked, this, [this, file] { emit fileAsked(file); });
+    connect(link, &QPushButton::clicked, this, [this, file] { Q_EMIT fileAsked(file); });
     recent_->addWidget(link);
   }
 }

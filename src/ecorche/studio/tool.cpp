@@ -9,8 +9,8 @@ Picker::Input Tool::pickInput() const {
 
 void Tool::show(const Overlay& overlay) {
   overlay_ = overlay;
-  emit overlayChanged();
-  emit hintChanged();
+  Q_EMIT overlayChanged();
+  Q_EMIT hintChanged();
 }
 
 }  // namespace ecorche::studio

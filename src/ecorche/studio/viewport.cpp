@@ -171,7 +171,7 @@ void Viewport::initializeGL() {
   auto made = render::Renderer::create();
   if (!made) {
     trouble_ = QString::fromStdString(made.error().message);
-    emit troubled(trouble_);
+    Q_EMIT troubled(trouble_);
     return;
   }
   renderer_.emplace(std::move(*made));
@@ -223,7 +223,7 @@ void Viewport::begin(bool quick) {
   const render::Scene scene = scenes_.build(input, colours_);
   if (auto begun = renderer_->begin(scene, camera_.camera(), how); !begun) {
     trouble_ = QString::fromStdString(begun.error().message);
-    emit troubled(trouble_);
+    Q_EMIT troubled(trouble_);
     renderer_.reset();
   }
 }
@@ -252,7 +252,7 @@ void Viewport::paintGL() {
     context()->functions()->glFinish();
     adaptDivisor(1e-9 * static_cast<double>(clock.nsecsElapsed()));
   }
-  emit drawn();
+  Q_EMIT drawn();
   if (quickPicture_) {
     finished_ = !session_.display().fine && (sharp_ || divisor_ == 1);
   } else if (more) {

@@ -111,8 +111,8 @@ CurveDrag::CurveDrag(const domain::Domain& domain, DragGrounds grounds, const Cu
   I.shared.emplace(
       I.ground, domain.mesh, I.old, I.sharedTargets(I.old),
       [&I](std::int32_t v, double* values) {
-        const double* raw = I.raw(v);
-        for (const std::int32_t field : I.fields) *values++ = raw[field];
+        const double* all = I.raw(v);
+        for (const std::int32_t field : I.fields) *values++ = all[field];
         for (const OwnDrag& own : I.ownDrags) {
           own.settledSpread(v, values);
           values += OwnDrag::kSpread;

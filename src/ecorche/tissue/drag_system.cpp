@@ -22,7 +22,7 @@ using Tree = mesh::TreeSolver<float>;
 using RowMajor = DragSystem::Targets;
 
 // The tube that is swept is so many edges wide around rows that curves touch
-constexpr int kRings = 2;
+constexpr int kTubeRings = 2;
 
 }  // namespace
 
@@ -316,7 +316,7 @@ std::vector<DragSystem::Part> DragSystem::move(const PiecedRows& now, const Targ
   I.solveAlong(moment);
   std::vector<std::int32_t> touched = I.touched(now);
   touched.insert(touched.end(), I.touchedOld.begin(), I.touchedOld.end());
-  moment.tube = rowsAround(*I.ground, touched, kRings);
+  moment.tube = rowsAround(*I.ground, touched, kTubeRings);
   addRows(I.mesh, *I.ground->pattern, now.samples, 1.0, I.K);
   const std::int64_t parts = std::min<std::int64_t>(2, std::ssize(moment.act));
   parallelFor(

@@ -14,7 +14,7 @@ namespace ecorche::tissue {
 
 namespace {
 
-constexpr std::int64_t kGrain = 512;
+constexpr std::int64_t kTellGrain = 512;
 // Of a field that goes along with others, over the largest value: less is not worth a picture's
 // time
 constexpr double kTold = 1e-5;
@@ -242,7 +242,7 @@ MovedFields::Told MovedFields::move(std::span<const mesh::Spline> splines) {
           tell[static_cast<std::size_t>(i)] = 1;
         }
       },
-      kGrain);
+      kTellGrain);
   for (const std::int32_t v : frame.vertices) I.inFrame[static_cast<std::size_t>(v)] = -1;
   for (const std::int32_t j : frame.fields) I.placeOfField[static_cast<std::size_t>(j)] = -1;
   for (const std::int32_t v : all) I.near[static_cast<std::size_t>(v)] &= 1;

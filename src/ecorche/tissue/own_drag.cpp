@@ -23,7 +23,7 @@ using Solver = Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper,
                                         Eigen::DiagonalPreconditioner<float>>;
 
 // Around what is more than negligible, for a frame to move into
-constexpr int kRings = 1;
+constexpr int kRoomRings = 1;
 // A hand that moved fast has left them behind: a frame is solved again in so many more of them, and
 // twice as many each time after that
 constexpr int kMoreRings = 2;
@@ -362,7 +362,7 @@ DragSystem::Part OwnDrag::move(const PiecedRows& now, std::span<const SpreadChan
   std::vector<std::int32_t> start = I.last;
   I.touch(now.samples, start);
   I.touch(I.staying, start);
-  Impl::Patch patch = I.open(rowsAround(*I.shared, start, kRings));
+  Impl::Patch patch = I.open(rowsAround(*I.shared, start, kRoomRings));
   I.solve(patch, now, spread);
   for (int rings = kMoreRings; rings <= kMostRings; rings *= 2) {
     const std::vector<std::int32_t> over = I.overflowing(patch);

@@ -18,9 +18,9 @@ namespace {
 // Shares of the field's largest value: what a region keeps, and what may reach its rim
 constexpr double kKept = 1e-11;
 constexpr double kAtRim = 2e-9;
-constexpr int kRings = 2;
+constexpr int kSpareRings = 2;
 // Of the domain: a region of more is no gain
-constexpr double kMostShare = 0.9;
+constexpr double kMostOfDomain = 0.9;
 
 // Bᵀ W of one tissue's rows, for what each asks for
 Eigen::MatrixXd rightSide(const FieldRegion& region, const std::vector<CoreSample>& own,
@@ -240,7 +240,7 @@ OwnField::Outcome OwnField::Impl::shrink(State& state, const TissueSolver& solve
     }
   }
   // Fields fall steeply in places: beside what is kept, rows that are as good as nothing
-  for (int ring = 0; ring < kRings; ++ring) {
+  for (int ring = 0; ring < kSpareRings; ++ring) {
     const std::vector<std::uint8_t> before = inside;
     for (std::size_t r = 0; r < before.size(); ++r) {
       if (before[r] == 0) continue;
@@ -249,7 +249,7 @@ OwnField::Outcome OwnField::Impl::shrink(State& state, const TissueSolver& solve
         inside[static_cast<std::size_t>(whole.neighbours->neighbour[e])] = 1;
     }
   }
-  if (static_cast<double>(std::ranges::count(inside, 1)) > kMostShare * static_cast<double>(n))
+  if (static_cast<double>(std::ranges::count(inside, 1)) > kMostOfDomain * static_cast<double>(n))
     return Outcome::Done;
   State next;
   next.region = std::make_shared<const FieldRegion>(solver, inside);

@@ -23,7 +23,7 @@ constexpr double kDone = 1e-8;
 constexpr double kLearned = 1e-10;
 // Corrections below are not followed; a sliver's rows may make a hundred times as much of them, and
 // turn out stubborn then
-constexpr double kNothing = 3e-10;
+constexpr double kNoCorrection = 3e-10;
 // Residuals below are left; over the diagonal, or over most rows' where that is less: rows that
 // hold on to each other feel a residual far more than their diagonals say
 constexpr double kRounding = 3e-14;
@@ -37,7 +37,7 @@ constexpr double kSlow = 0.01;
 constexpr double kStubborn = 0.03;
 constexpr double kHopeless = 1e-5;
 constexpr std::size_t kMostStubborn = 20'000;
-constexpr std::int64_t kGrain = 2048;
+constexpr std::int64_t kResidualGrain = 2048;
 
 using Tree = mesh::TreeSolver<float>;
 
@@ -73,7 +73,7 @@ mesh::SparseColumns residual(const DragGround& ground, const SparseSides& b,
     std::int32_t row;
     double value;
   };
-  const Eigen::Index chunks = (n + kGrain - 1) / kGrain;
+  const Eigen::Index chunks = (n + kResidualGrain - 1) / kResidualGrain;
   std::vector<std::vector<std::vector<Entry>>> found(static_cast<std::size_t>(chunks));
   parallelFor(
       chunks,
@@ -81,7 +81,8 @@ mesh::SparseColumns residual(const DragGround& ground, const SparseSides& b,
         auto& own = found[static_cast<std::size_t>(chunk)];
         own.resize(static_cast<std::size_t>(k));
         Eigen::RowVectorXd r(k);
-        for (auto i = chunk * kGrain; i < std::min<std::int64_t>(n, (chunk + 1) * kGrain); ++i) {
+        for (auto i = chunk * kResidualGrain;
+             i < std::min<std::int64_t>(n, (chunk + 1) * kResidualGrain); ++i) {
           const std::int32_t row = rows[static_cast<std::size_t>(i)];
           const double nothing = kRounding * std::min(usual, ground.diagonal(row));
           residualOf(ground, b, X, row, r.data());
@@ -373,7 +374,7 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
   double visited = 0.0;
   const double usual = X.rows() > 0 ? usualDiagonal(ground) : 0.0;
   std::vector<std::int32_t> near;
-  const double tolerance = X.cols() > 0 ? kNothing * scale.minCoeff() : 0.0;
+  const double tolerance = X.cols() > 0 ? kNoCorrection * scale.minCoeff() : 0.0;
   std::optional<Columns> few;
   const auto solveStubborn = [&] { few ? stubborn.solve(few->b, few->X) : stubborn.solve(b, X); };
   while (out.passes < kMostPasses) {
@@ -423,7 +424,7 @@ Refined refinedSolve(const DragGround& ground, const SparseSides& b,
     if (some && !allColumns) {
       std::vector<Eigen::Index> moved;
       for (Eigen::Index c = 0; c < X.cols(); ++c) {
-        if (step.ofColumn[c] > kNothing) moved.push_back(c);
+        if (step.ofColumn[c] > kNoCorrection) moved.push_back(c);
       }
       if (!moved.empty() &&
           static_cast<double>(moved.size()) < kMostColumns * static_cast<double>(X.cols()))

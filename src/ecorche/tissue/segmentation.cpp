@@ -19,7 +19,7 @@ double volumeShare(const SubTet& tet) {
   return std::abs(M.determinant());
 }
 
-constexpr double kNothing = 1e-14;  // of a tet's volume
+constexpr double kNoVolume = 1e-14;  // of a tet's volume
 
 // The part of a tet where a linear function with values g at the outer tet's corners is positive,
 // as at most three tets
@@ -110,7 +110,7 @@ class TetShares {
       } else {
         for (const SubTet& piece : pieces_) keepPositive(piece, g, kept_);
         // Slices of no volume would be sliced again by every field that follows
-        std::erase_if(kept_, [](const SubTet& piece) { return volumeShare(piece) < kNothing; });
+        std::erase_if(kept_, [](const SubTet& piece) { return volumeShare(piece) < kNoVolume; });
       }
       pieces_.swap(kept_);
     }

@@ -16,11 +16,11 @@ namespace ecorche::tissue {
 namespace {
 
 // Of a whole factor's work: above it, a whole one is made, which later ones share panels with.
-constexpr double kMostShare = 0.8;
+constexpr double kMostRefactored = 0.8;
 // Columns that an edit hardly changes are not looked at, so many times: what is left of each is
 // less than 3e-10
 constexpr int kMostLeftOut = 8;
-constexpr std::int64_t kGrain = 8192;
+constexpr std::int64_t kCopyGrain = 8192;
 
 // Names of tissues in the order of their columns, after fat
 std::vector<std::string> columnsOf(const std::vector<CurveTissue>& tissues) {
@@ -82,10 +82,11 @@ const std::shared_ptr<const TissueSolver>& Settling::solver() const { return imp
 void Settling::Impl::start(const std::vector<std::string>& wanted, FieldMatrix& out) const {
   if (X.size() > 0 && wanted == column) {
     out.resize(X.rows(), X.cols());
-    parallelFor((X.rows() + kGrain - 1) / kGrain,
+    parallelFor((X.rows() + kCopyGrain - 1) / kCopyGrain,
                 [&](std::int64_t i) {
-                  const Eigen::Index rows = std::min<Eigen::Index>(kGrain, X.rows() - i * kGrain);
-                  out.middleRows(i * kGrain, rows) = X.middleRows(i * kGrain, rows);
+                  const Eigen::Index rows =
+                      std::min<Eigen::Index>(kCopyGrain, X.rows() - i * kCopyGrain);
+                  out.middleRows(i * kCopyGrain, rows) = X.middleRows(i * kCopyGrain, rows);
                 },
                 1);
     return;
@@ -206,7 +207,7 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
     const auto changed = rowsThatDiffer(I.solver->pattern(), I.wholeK, K);
     if (changed.empty()) {
       factor = I.whole;
-    } else if (I.whole->shareOf(changed) < kMostShare) {
+    } else if (I.whole->shareOf(changed) < kMostRefactored) {
       factor = std::make_shared<const mesh::SingleCholesky>(I.whole, K, changed, stop);
     }
   }

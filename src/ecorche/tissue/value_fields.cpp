@@ -17,7 +17,7 @@ namespace ecorche::tissue {
 
 namespace {
 
-constexpr std::int64_t kGrain = 8192;
+constexpr std::int64_t kOwnerGrain = 8192;
 
 // Of values that are as good as proportional to others, relative
 constexpr double kSame = 1e-14;
@@ -226,22 +226,22 @@ void ValueFields::Impl::findRivals(Eigen::Index field) {
         rival[static_cast<std::size_t>(v)] = best;
         rivalField[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(who);
       },
-      kGrain);
+      kOwnerGrain);
 }
 
 // Writes a field that was made anew, and owners with it.
 ValueFields::Changed ValueFields::Impl::take(Eigen::Index field) {
   const Eigen::Index n = vertexCount();
   const bool competes = field != 0 || fields.fatIsCandidate;
-  const std::int64_t chunks = (n + kGrain - 1) / kGrain;
+  const std::int64_t chunks = (n + kOwnerGrain - 1) / kOwnerGrain;
   std::vector<Changed> parts(static_cast<std::size_t>(chunks));
   parallelFor(
       chunks,
       [&](std::int64_t chunk) {
         Changed& part = parts[static_cast<std::size_t>(chunk)];
         const double told = kTold * fields.maxValue;
-        for (std::int64_t v = chunk * kGrain; v < std::min<std::int64_t>(n, (chunk + 1) * kGrain);
-             ++v) {
+        for (std::int64_t v = chunk * kOwnerGrain;
+             v < std::min<std::int64_t>(n, (chunk + 1) * kOwnerGrain); ++v) {
           double& f = fields.values(v, field);
           f = corrected[v];
           if (std::abs(f - lastTold[v]) > told)
@@ -368,10 +368,10 @@ Result<ValueFields::Changed> ValueFields::setValues(std::size_t tissue,
 
   // f = Σ_p D_p φ_p, then what linear tets make wrong of it near curves
   const Eigen::Index n = I.vertexCount();
-  parallelFor((n + kGrain - 1) / kGrain,
+  parallelFor((n + kOwnerGrain - 1) / kOwnerGrain,
               [&](std::int64_t chunk) {
-                const Eigen::Index begin = chunk * kGrain;
-                const Eigen::Index count = std::min<Eigen::Index>(kGrain, n - begin);
+                const Eigen::Index begin = chunk * kOwnerGrain;
+                const Eigen::Index count = std::min<Eigen::Index>(kOwnerGrain, n - begin);
                 auto raw = basis.raw.segment(begin, count);
                 if (step.scale != 1.0) raw *= step.scale;
                 for (const Eigen::Index k : step.moved)
