@@ -1,6 +1,7 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/settled_store.h>
 #include <ecorche/tissue/settling.h>
 #include <ecorche/tissue/value_fields.h>
 
@@ -214,6 +215,86 @@ TEST_CASE("what has been settled answers edits of values and fat, and moves") {
         (anisotropic ? 0.1 : 0.03) * after.maxValue);
   const ValueFields settled = make();
   CHECK((settled.fields().values - after.values).cwiseAbs().maxCoeff() < 1e-8 * after.maxValue);
+}
+
+TEST_CASE("an undo finds what was settled, to the last bit, and drags go on from there") {
+  for (const std::uint64_t seed : test::casesHere(4)) {
+    INFO("seed " << seed);
+    Limb limb(seed + 7);
+    Settling settling(limb.solver);
+    SettledStore store(std::size_t{1} << 30);
+    struct Step {
+      std::vector<CurveTissue> list;
+      TissueOptions options;
+      FieldMatrix values;
+    };
+    std::vector<Step> past;
+    for (int step = 0; step < 12; ++step) {
+      limb.edit();
+      if (store.find(limb.list, limb.options) != nullptr) continue;
+      const auto settled = std::make_shared<const Settling::Settled>(
+          settling.solve(limb.cores(), limb.list, limb.options, limb.run).value());
+      store.keep(limb.list, limb.options, settled);
+      past.push_back({limb.list, limb.options, settled->fields.values});
+    }
+    CHECK(past.size() > 6);
+    for (auto step = past.rbegin(); step != past.rend(); ++step) {
+      const SettledStore::Result found = store.find(step->list, step->options);
+      REQUIRE(found);
+      CHECK(found->fields.values == step->values);
+      limb.list = step->list;
+      limb.options = step->options;
+      ValueFields fields = ValueFields::create(limb.domain, limb.solver, *found, limb.cores(),
+                                               limb.list, limb.options);
+      auto points = limb.list[0].curves[0].spline.points();
+      points[0] += Vector3(0.03, -0.03, 0.02);
+      (void)fields.moveCurves({{{0, 0}, mesh::Spline(points)}});
+      CHECK(store.find(step->list, step->options)->fields.values == step->values);
+      CHECK(fields.fields().values != step->values);
+    }
+  }
+}
+
+TEST_CASE("a store of settled results keeps to its bytes and drops what nobody has asked for") {
+  Limb limb(2);
+  Settling settling(limb.solver);
+  const auto settle = [&] {
+    return std::make_shared<const Settling::Settled>(
+        settling.solve(limb.cores(), limb.list, limb.options, limb.run).value());
+  };
+  const auto first = settle();
+  const std::size_t size = [&] {
+    SettledStore alone(std::size_t{1} << 30);
+    alone.keep(limb.list, limb.options, first);
+    return alone.bytes();
+  }();
+  CHECK(size > sizeof(double) * std::size_t(first->fields.values.size()));
+  SettledStore none(size - 1);
+  none.keep(limb.list, limb.options, first);
+  CHECK(none.size() == 0);
+
+  // The same equations and factor for all of them: only fields are added
+  SettledStore store(size + size / 2);
+  const TissueOptions begin = limb.options;
+  store.keep(limb.list, begin, first);
+  std::size_t kept = 1;
+  for (int k = 1; k < 60; ++k) {
+    limb.options.fat = 0.3 + 0.005 * k;
+    const auto settled = settle();
+    CHECK(settled->factored == 0.0);
+    CHECK(store.find(limb.list, begin) != nullptr);
+    store.keep(limb.list, limb.options, settled);
+    CHECK(store.bytes() <= size + size / 2);
+    kept = std::max(kept, store.size());
+  }
+  CHECK(kept >= 2);
+  CHECK(store.size() < 60);
+  CHECK(store.find(limb.list, limb.options) != nullptr);
+  limb.options.fat = 0.305;
+  CHECK(store.find(limb.list, limb.options) == nullptr);
+  limb.options.fat = 0.3;
+  limb.list[0].curves[0].values[0] *= 1.0 + 1e-15;
+  CHECK(store.find(limb.list, limb.options) == nullptr);
 }
 
 TEST_CASE("anisotropic tissues come and go, and nothing else is forgotten") {

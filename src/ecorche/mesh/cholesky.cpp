@@ -120,6 +120,7 @@ Cholesky::~Cholesky() = default;
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 
+std::size_t Cholesky::bytes() const { return impl_->L->xsize * sizeof(double); }
 bool Cholesky::ok() const { return impl_->badRow < 0; }
 std::int64_t Cholesky::badRow() const { return impl_->badRow; }
 

@@ -67,6 +67,7 @@ class Cholesky {
   /// that is not positive.
   [[nodiscard]] bool ok() const;
   [[nodiscard]] std::int64_t badRow() const;
+  [[nodiscard]] std::size_t bytes() const;  ///< of the factor's entries
 
   /// K X = right side, in place, blocks of columns in parallel. The bytes do not depend on the
   /// number of threads.

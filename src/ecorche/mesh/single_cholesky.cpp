@@ -155,6 +155,7 @@ struct SingleCholesky::Impl {
   std::shared_ptr<const Plan> plan;
   std::shared_ptr<const SingleCholesky> before;  // whose panels are shared
   std::unique_ptr<float[]> own;
+  std::size_t ownCount = 0;
   std::vector<const float*> panel;
   std::vector<float*> made;  // by node; null: of `before`
   std::atomic<bool> ok{true};
@@ -318,7 +319,8 @@ SingleCholesky::SingleCholesky(const SymbolicCholesky& symbolic, const std::vect
   EC_REQUIRE_EQ(values.size(), I.symbolic->index.size());
   I.plan = std::make_shared<const Plan>(*I.symbolic->L, I.symbolic->first, I.symbolic->index);
   const Supernodes& t = I.plan->tree;
-  I.own = std::make_unique_for_overwrite<float[]>(I.symbolic->L->xsize);
+  I.ownCount = I.symbolic->L->xsize;
+  I.own = std::make_unique_for_overwrite<float[]>(I.ownCount);
   for (std::int32_t node = 0; node < t.nodeCount; ++node) {
     I.made.push_back(I.own.get() + t.px[node]);
     I.panel.push_back(I.made.back());
@@ -341,12 +343,11 @@ SingleCholesky::SingleCholesky(const std::shared_ptr<const SingleCholesky>& befo
   I.panel = before->impl_->panel;
   I.made.assign(I.panel.size(), nullptr);
   const std::vector<std::uint8_t> on = before->ancestors(changed);
-  std::size_t size = 0;
   for (std::size_t node = 0; node < on.size(); ++node) {
-    if (on[node] != 0) size += static_cast<std::size_t>(t.px[node + 1] - t.px[node]);
+    if (on[node] != 0) I.ownCount += static_cast<std::size_t>(t.px[node + 1] - t.px[node]);
   }
   I.share = before->shareOf(changed);
-  I.own = std::make_unique_for_overwrite<float[]>(size);
+  I.own = std::make_unique_for_overwrite<float[]>(I.ownCount);
   float* next = I.own.get();
   for (std::size_t node = 0; node < on.size(); ++node) {
     if (on[node] == 0) continue;
@@ -357,6 +358,11 @@ SingleCholesky::SingleCholesky(const std::shared_ptr<const SingleCholesky>& befo
   I.make(values, stop);
 }
 SingleCholesky::~SingleCholesky() = default;
+
+std::size_t SingleCholesky::bytes() const { return impl_->ownCount * sizeof(float); }
+const std::shared_ptr<const SingleCholesky>& SingleCholesky::before() const {
+  return impl_->before;
+}
 
 // Nodes on the way from rows to the root.
 std::vector<std::uint8_t> SingleCholesky::ancestors(std::span<const std::int32_t> changed) const {

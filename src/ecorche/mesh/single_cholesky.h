@@ -38,6 +38,10 @@ class SingleCholesky {
 
   /// False where K is not positive definite in 32 bits, or where it was stopped.
   [[nodiscard]] bool ok() const;
+  /// What it holds of its own, beside what it shares with the one that it was made of [bytes].
+  [[nodiscard]] std::size_t bytes() const;
+  /// The one whose panels it shares; null: none.
+  [[nodiscard]] const std::shared_ptr<const SingleCholesky>& before() const;
   /// Of the work of a whole factor, how much was done [0, 1].
   [[nodiscard]] double shareMade() const;
   /// How much it would be for another with these rows changed.

@@ -19,6 +19,7 @@ class Spline {
   explicit Spline(std::vector<Vector3> points);
 
   [[nodiscard]] const std::vector<Vector3>& points() const { return points_; }
+  bool operator==(const Spline& other) const { return points_ == other.points_; }
   [[nodiscard]] double lastParameter() const { return static_cast<double>(points_.size()) - 1.0; }
 
   [[nodiscard]] Vector3 at(double u) const;

@@ -167,6 +167,10 @@ TreeSolver<Scalar>::TreeSolver(
 template <class Scalar>
 TreeSolver<Scalar>::~TreeSolver() = default;
 template <class Scalar>
+std::size_t TreeSolver<Scalar>::copiedBytes() const {
+  return impl_->copied.size() * sizeof(Scalar);
+}
+template <class Scalar>
 TreeSolver<Scalar>::TreeSolver(TreeSolver&&) noexcept = default;
 template <class Scalar>
 TreeSolver<Scalar>& TreeSolver<Scalar>::operator=(TreeSolver&&) noexcept = default;

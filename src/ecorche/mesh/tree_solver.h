@@ -47,6 +47,7 @@ class TreeSolver {
   explicit TreeSolver(
       std::shared_ptr<const SingleCholesky> factor) requires std::is_same_v<Scalar, float>;
   ~TreeSolver();
+  [[nodiscard]] std::size_t copiedBytes() const;  ///< of its own copy of a factor's entries
   TreeSolver(TreeSolver&&) noexcept;
   TreeSolver& operator=(TreeSolver&&) noexcept;
 

@@ -14,7 +14,8 @@ struct DragGround {
   std::shared_ptr<const mesh::StiffnessPattern> pattern;
   std::shared_ptr<const mesh::SymbolicCholesky> symbolic;
   mesh::TreeSolver<float> tree;
-  std::vector<double> K;  ///< on the pattern, rows of all curves in it
+  std::shared_ptr<const mesh::SingleCholesky> single;  ///< what it solves with; null: its own copy
+  std::vector<double> K;                               ///< on the pattern, rows of all curves in it
   std::shared_ptr<const mesh::NeighbourRows> rows;
   std::vector<std::int32_t> stubborn;  ///< rows that refined solves need 64 bits for, ascending
 

@@ -223,6 +223,7 @@ Result<Settling::Settled> Settling::solve(const CoreSamples& cores,
       std::shared_ptr<const mesh::StiffnessPattern>(I.solver, &I.solver->pattern()),
       std::shared_ptr<const mesh::SymbolicCholesky>(I.solver, I.solver->symbolic()),
       mesh::TreeSolver<float>(factor), std::move(K), I.rows);
+  out.ground->single = factor;
   out.ground->stubborn = I.stubborn;
   FieldMatrix& X = I.spare;
   const std::vector<std::string> column = columnsOf(tissues);

@@ -17,6 +17,7 @@ struct Anisotropy {
   double lambda3 = 1.0;   ///< along e3. 1: isotropic [unitless, > 0]
   double rotation = 0.0;  ///< of e2, e3 about the tangent at the curve's first point [rad]
   [[nodiscard]] bool isIsotropic() const { return lambda2 == 1.0 && lambda3 == 1.0; }
+  bool operator==(const Anisotropy&) const = default;
 };
 
 /// One head of a muscle.
@@ -24,6 +25,7 @@ struct TissueCurve {
   std::string name;            ///< for messages: "biceps femoris, curve 2"
   mesh::Spline spline;         ///< world [m], origin first
   std::vector<double> values;  ///< tissue value at each control point [unitless, > 0]
+  bool operator==(const TissueCurve&) const = default;
 };
 
 /// A tissue that grows from curves: a muscle, or a filler that takes space and is not exported as a
@@ -42,6 +44,7 @@ struct CurveTissue {
     }
     return most;
   }
+  bool operator==(const CurveTissue&) const = default;
 };
 
 /// What the energies are weighed with, and how they are minimised.
@@ -53,6 +56,7 @@ struct TissueOptions {
   /// Of BLAS in the factorisation that all tissues share. 1: the same bytes on any number of
   /// threads; 0: as many as the process was given, for last bits that nobody keeps.
   int factorThreads = 1;
+  bool operator==(const TissueOptions&) const = default;
 };
 
 }  // namespace ecorche::tissue

@@ -139,6 +139,27 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
   return ValueFields(std::move(impl));
 }
 
+ValueFields ValueFields::create(std::shared_ptr<const domain::Domain> domain,
+                                std::shared_ptr<const TissueSolver> solver,
+                                Settling::Settled settled, CoreSamples cores,
+                                std::vector<CurveTissue> tissues, TissueOptions options,
+                                std::shared_ptr<const CurveWalker> walker) {
+  auto impl = std::make_unique<Impl>();
+  impl->domain = std::move(domain);
+  impl->solver = std::move(solver);
+  impl->cores = std::move(cores);
+  impl->tissues = std::move(tissues);
+  impl->options = options;
+  impl->walker = std::move(walker);
+  impl->factor = std::move(settled.factor);
+  impl->ground = std::move(settled.ground);
+  impl->own = std::move(settled.own);
+  impl->fields = std::move(settled.fields);
+  if (settled.fat.size() > 0) impl->phiFat = std::move(settled.fat);
+  impl->owner = vertexOwners(impl->fields);
+  return ValueFields(std::move(impl));
+}
+
 Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> domain,
                                         Settling& settling, CoreSamples cores,
                                         std::vector<CurveTissue> tissues, TissueOptions options,
@@ -146,20 +167,8 @@ Result<ValueFields> ValueFields::create(std::shared_ptr<const domain::Domain> do
                                         std::shared_ptr<const CurveWalker> walker) {
   auto settled = settling.solve(cores, tissues, options, run);
   if (!settled) return passOn(settled);
-  auto impl = std::make_unique<Impl>();
-  impl->domain = std::move(domain);
-  impl->solver = settling.solver();
-  impl->cores = std::move(cores);
-  impl->tissues = std::move(tissues);
-  impl->options = options;
-  impl->walker = std::move(walker);
-  impl->factor = std::move(settled->factor);
-  impl->ground = std::move(settled->ground);
-  impl->own = std::move(settled->own);
-  impl->fields = std::move(settled->fields);
-  if (settled->fat.size() > 0) impl->phiFat = std::move(settled->fat);
-  impl->owner = vertexOwners(impl->fields);
-  return ValueFields(std::move(impl));
+  return create(std::move(domain), settling.solver(), std::move(*settled), std::move(cores),
+                std::move(tissues), options, std::move(walker));
 }
 
 // One tissue's equations for other targets, by the 32-bit factor unless it will not do.

@@ -34,6 +34,12 @@ class ValueFields {
                                                   std::vector<CurveTissue> tissues,
                                                   TissueOptions options, RunContext& run,
                                                   std::shared_ptr<const CurveWalker> walker = {});
+  /// Of what has been settled.
+  [[nodiscard]] static ValueFields create(std::shared_ptr<const domain::Domain> domain,
+                                          std::shared_ptr<const TissueSolver> solver,
+                                          Settling::Settled settled, CoreSamples cores,
+                                          std::vector<CurveTissue> tissues, TissueOptions options,
+                                          std::shared_ptr<const CurveWalker> walker = {});
   /// The same by what is left to do since `settling` last solved.
   [[nodiscard]] static Result<ValueFields> create(std::shared_ptr<const domain::Domain> domain,
                                                   Settling& settling, CoreSamples cores,
