@@ -11,6 +11,63 @@ using namespace ecorche;
 using namespace ecorche::studio;
 using test::waitFor;
 
+TEST_CASE(
+    "tets are refined around muscles when the hand rests, and what is seen stays until then") {
+  test::application();
+  Session session({.tets = 30'000});
+  session.start(test::arm(), {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  const auto coarse = session.tissues();
+  int shown = 0;
+  bool gone = false;
+  auto last = coarse;
+  QObject::connect(&session, &Session::liveChanged, [&] {
+    gone = gone || !session.tissues();
+    shown += session.tissues() != last;
+    last = session.tissues();
+  });
+  session.setRefining(true);
+  REQUIRE(waitFor([&] { return session.isSettled() && session.tissues() != coarse; }));
+  CHECK_FALSE(gone);
+  CHECK(shown == 1);
+  const auto fine = session.tissues();
+  CHECK(fine->domain != coarse->domain);
+  CHECK(fine->domain->domain.mesh.T.rows() < 1.15 * double(coarse->domain->domain.mesh.T.rows()));
+  CHECK(session.volumeOf("brachialis").value() > 0.0);
+
+  // Nothing moves: nothing is made again
+  REQUIRE(session.perform(model::SetPointValue{"brachialis", 0, 1, 1.1}, "Value"));
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(session.tissues() == fine);
+  // A curve goes on: the same tets, until it has left those that are small for it
+  REQUIRE(session.perform(model::MoveCurve{"brachialis", 0, {0.0005, 0, 0}}, "Move"));
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(session.tissues()->domain == fine->domain);
+}
+
+TEST_CASE("undo and redo show what had been settled, and solve nothing") {
+  test::application();
+  Session session({.tets = 30'000});
+  session.start(test::arm(), {}, true);
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  const auto values = [&] { return session.tissues()->fields->fields().values; };
+  const tissue::FieldMatrix before = values();
+  REQUIRE(session.perform(model::MoveCurve{"brachialis", 0, {0.001, 0, 0}}, "Move"));
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK_FALSE(session.tissues()->isKept);
+  const tissue::FieldMatrix moved = values();
+  CHECK(moved != before);
+
+  session.undo();
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(session.tissues()->isKept);
+  CHECK(values() == before);
+  session.redo();
+  REQUIRE(waitFor([&] { return session.isSettled(); }));
+  CHECK(session.tissues()->isKept);
+  CHECK(values() == moved);
+}
+
 TEST_CASE("only what is computed from counts as changed") {
   const model::Project before = test::arm();
   const auto after = [&](const model::Command& command) {

@@ -87,7 +87,9 @@ Result<domain::DomainBuild> buildDomainOf(const model::Project& project,
        .kind = "estimate",
        .message = "before it began, the build was estimated to take " + estimate.text(),
        .size = static_cast<double>(estimate.memoryBytes)});
-  if (options.sizing == Sizing::Draft) {
+  if (options.sizing == Sizing::Draft && !options.lengths.empty()) {
+    input.lengths = options.lengths;
+  } else if (options.sizing == Sizing::Draft) {
     auto lengths = wantedLengths(project, input, how, findings, run);
     if (!lengths) return passOn(lengths);
     input.lengths = std::move(*lengths);

@@ -31,6 +31,9 @@ struct BuildOptions {
   double mesherTimeout = 300.0;      ///< of each attempt to fill the domain with tets [s]
   bool useCache = true;              ///< look for the domain in the cache and leave it there
   Sizing sizing = Sizing::Draft;
+  /// What a draft would tell, where somebody knows it already (draft.h); asked for with
+  /// Sizing::Draft.
+  std::vector<domain::WantedLength> lengths;
   bool exact = false;  ///< envelope with raw places, see EnvelopeOptions::exact
   /// Told what the build will take, once meshes are read and before anything is made of them.
   std::function<void(const Estimate&)> onEstimate;

@@ -2,11 +2,14 @@
 #include <ecorche/core/give_way.h>
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/build.h>
+#include <ecorche/engine/draft.h>
 #include <ecorche/engine/live_engine.h>
 #include <ecorche/engine/live_parts.h>
+#include <ecorche/envelope/envelope.h>
 #include <ecorche/mesh/surface_topology.h>
 #include <ecorche/tissue/curve_trace.h>
 #include <ecorche/tissue/segmentation.h>
+#include <ecorche/tissue/settled_store.h>
 
 #include <algorithm>
 #include <condition_variable>
@@ -58,6 +61,11 @@ struct Analysed {
   std::shared_ptr<const tissue::CurveWalker> walker;
   tissue::KeptTraces traces;
   std::optional<tissue::Settling> settling;
+  tissue::SettledStore kept{0};
+  // Of the tissues at hand, for tets to be made small around them
+  std::vector<tissue::CurveTissue> tissues;
+  tissue::CoreSamples cores;
+  tissue::SettledStore::Result settled;
   std::shared_ptr<const render::VolumeGeometry> geometry;
 };
 
@@ -94,6 +102,7 @@ struct LiveEngine::Impl {
   std::shared_ptr<RunContext> running;  // of the stage at hand
   std::optional<model::Project> runningFor;
   model::Project (*runningPart)(const model::Project&) = nullptr;
+  bool refining = false;
   bool gaveUp = false;
   bool quit = false;
 
@@ -103,10 +112,11 @@ struct LiveEngine::Impl {
   Made<LiveTissues> tissues;
   Analysed analysed;
   std::vector<mesh::Vector3> sizedFor;  // control points when the domain was made
+  bool isRefined = false;               // the domain knows of more than curves
 
   std::thread thread;
 
-  Impl(Sink s, LiveOptions o) : sink(std::move(s)), options(o) {
+  Impl(Sink s, LiveOptions o) : sink(std::move(s)), options(o), refining(o.refine) {
     thread = std::thread([this] { loop(); });
   }
   ~Impl() {
@@ -126,11 +136,15 @@ struct LiveEngine::Impl {
              const Make& make);
   static Result<std::shared_ptr<const LiveMeshes>> makeMeshes(const model::Project& project,
                                                               RunContext& run);
-  Result<std::shared_ptr<const domain::DomainBuild>> makeDomain(const model::Project& project,
-                                                                RunContext& run);
+  Result<std::shared_ptr<const domain::DomainBuild>> makeDomain(
+      const model::Project& project, std::vector<domain::WantedLength> lengths, RunContext& run);
+  Result<std::shared_ptr<const domain::DomainBuild>> refineDomain(const model::Project& project,
+                                                                  RunContext& run);
   Result<std::shared_ptr<LiveTissues>> makeTissues(const model::Project& project, RunContext& run);
   Result<void> analyse(RunContext& run);
+  Result<void> settle(const tissue::TissueOptions& how, bool& isKept, RunContext& run);
   [[nodiscard]] bool outgrown(const model::Project& project) const;
+  [[nodiscard]] bool wantsRefining();
 };
 
 void LiveEngine::Impl::loop() {
@@ -164,21 +178,30 @@ void LiveEngine::Impl::answer(const Request& request) {
   if (meshesThere && !stop()) {
     const auto before = domain.made ? *domain.made : nullptr;
     const bool domainThere = bring(domain, request, domainPart, [&](RunContext& run) {
-      return makeDomain(request.project, run);
+      return makeDomain(request.project, {}, run);
     });
-    if (domainThere && *domain.made != before) sizedFor = controlPoints(request.project);
+    if (domainThere && *domain.made != before) {
+      sizedFor = controlPoints(request.project);
+      isRefined = false;
+    }
     if (domainThere && !stop()) {
       const auto make = [&](RunContext& run) { return makeTissues(request.project, run); };
       const bool there = bring(tissues, request, curvePart, make);
-      if (there && !stop() && outgrown(request.project)) {
+      const bool refine = there && wantsRefining();
+      if (there && !stop() && ((refine && !isRefined) || outgrown(request.project))) {
         // The hand rests: tets go where muscles are now. What is there stays until it is done
         Made<const domain::DomainBuild> finer;
-        if (bring(finer, request, domainPart,
-                  [&](RunContext& run) { return makeDomain(request.project, run); })) {
+        if (bring(finer, request, domainPart, [&](RunContext& run) {
+              return refine ? refineDomain(request.project, run)
+                            : makeDomain(request.project, {}, run);
+            })) {
           domain = std::move(finer);
           sizedFor = controlPoints(request.project);
+          isRefined = refine;
           tissues.of.reset();
           bring(tissues, request, curvePart, make);
+        } else if (finer.of) {
+          isRefined = refine;  // it cannot be; what is there is good enough until curves move
         }
       }
     }
@@ -255,15 +278,33 @@ Result<std::shared_ptr<const LiveMeshes>> LiveEngine::Impl::makeMeshes(
 }
 
 Result<std::shared_ptr<const domain::DomainBuild>> LiveEngine::Impl::makeDomain(
-    const model::Project& project, RunContext& run) {
+    const model::Project& project, std::vector<domain::WantedLength> lengths, RunContext& run) {
   // A view wants no more tets than it can show soon; the project's own number is for the build
   BuildOptions how;
   how.tets = std::min(project.settings.tets.value_or(options.tets), options.tets);
-  how.sizing = Sizing::Curves;  // of those that are there now; see outgrown
+  // Those that are there now; see outgrown
+  how.sizing = lengths.empty() ? Sizing::Curves : Sizing::Draft;
+  how.lengths = std::move(lengths);
   how.useCache = options.useCache;
   auto built = buildDomainOf(withoutUnbegun(project), (*meshes.made)->meshes, how, run);
   if (!built) return passOn(built);
   return std::make_shared<const domain::DomainBuild>(std::move(*built));
+}
+
+// Small tets where muscles meet, as those at hand tell; as many in all.
+Result<std::shared_ptr<const domain::DomainBuild>> LiveEngine::Impl::refineDomain(
+    const model::Project& project, RunContext& run) {
+  const domain::Domain& there = analysed.domain->domain;
+  auto anatomy = envelope::buildAnatomy(there, analysed.settled->fields, analysed.cores, {}, run);
+  if (!anatomy) return passOn(anatomy);
+  return makeDomain(project,
+                    lengthsWhereTissuesMeet(anatomy->anatomy, analysed.tissues, there.skinDiagonal),
+                    run);
+}
+
+bool LiveEngine::Impl::wantsRefining() {
+  const std::lock_guard lock(mutex);
+  return refining && !analysed.tissues.empty();
 }
 
 // Whether curves have left the places that the domain's tets were made small for.
@@ -287,9 +328,23 @@ Result<void> LiveEngine::Impl::analyse(RunContext& run) {
   // Shared with those who edit values, and no longer there than its domain
   const auto held = std::make_shared<Held>(Held{*domain.made, std::move(*solver)});
   analysed.settling.emplace(std::shared_ptr<const tissue::TissueSolver>(held, &held->solver));
+  analysed.kept = tissue::SettledStore(options.undoBytes);
   analysed.geometry = std::make_shared<const render::VolumeGeometry>(
       std::shared_ptr<const mesh::TetMesh>(*domain.made, &there.mesh), there.neighbours);
   analysed.domain = *domain.made;
+  return {};
+}
+
+// As it was before, where somebody has come back to it.
+Result<void> LiveEngine::Impl::settle(const tissue::TissueOptions& how, bool& isKept,
+                                      RunContext& run) {
+  analysed.settled = analysed.kept.find(analysed.tissues, how);
+  isKept = analysed.settled != nullptr;
+  if (isKept) return {};
+  auto settled = analysed.settling->solve(analysed.cores, analysed.tissues, how, run);
+  if (!settled) return passOn(settled);
+  analysed.settled = std::make_shared<const tissue::Settling::Settled>(std::move(*settled));
+  analysed.kept.keep(analysed.tissues, how, analysed.settled);
   return {};
 }
 
@@ -328,11 +383,12 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
   }
 
   out->findings.insert(out->findings.end(), cores->findings.begin(), cores->findings.end());
-  auto fields =
-      tissue::ValueFields::create({analysed.domain, &there}, *analysed.settling, std::move(*cores),
-                                  std::move(all), how, run, analysed.walker);
-  if (!fields) return passOn(fields);
-  out->fields = std::make_shared<tissue::ValueFields>(std::move(*fields));
+  analysed.cores = std::move(*cores);
+  analysed.tissues = std::move(all);
+  if (auto settled = settle(how, out->isKept, run); !settled) return passOn(settled);
+  out->fields = std::make_shared<tissue::ValueFields>(tissue::ValueFields::create(
+      {analysed.domain, &there}, analysed.settling->solver(), *analysed.settled, analysed.cores,
+      analysed.tissues, how, analysed.walker));
   out->geometry = analysed.geometry;
   out->slotOf = std::move(slots);
   out->touching = touching(there.mesh, out->fields->owners());
@@ -361,6 +417,11 @@ void LiveEngine::request(model::Project project, std::uint64_t revision, bool an
     impl_->next = Request{std::move(project), revision, anew};
   }
   impl_->wake.notify_all();
+}
+
+void LiveEngine::setRefining(bool on) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->refining = on;
 }
 
 void LiveEngine::cancel() {

@@ -2,6 +2,7 @@
 
 #include <ecorche/authoring/snap.h>
 #include <ecorche/core/finding.h>
+#include <ecorche/core/subprocess.h>
 #include <ecorche/domain/build_domain.h>
 #include <ecorche/engine/inputs.h>
 #include <ecorche/model/project.h>
@@ -9,6 +10,7 @@
 #include <ecorche/render/volume_geometry.h>
 #include <ecorche/tissue/value_fields.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -39,6 +41,7 @@ struct LiveTissues {
   std::vector<double> volumes;  ///< by tissue id − 1, fat first [m³]
   render::NeighbourPairs touching;  ///< entries that share a wall
   Findings findings;                ///< muscles that were left out and why
+  bool isKept = false;              ///< found as it was settled before, not solved again
   double seconds = 0.0;             ///< that all this took, domain apart
 };
 
@@ -63,12 +66,18 @@ struct LiveOptions {
   /// Where neither the project nor the machine asks for fewer: enough for a view, soon there.
   std::int64_t tets = 120'000;
   bool useCache = true;
+  /// Once tissues are there, tets are made anew: small where muscles meet, large elsewhere.
+  bool refine = false;
+  /// Of settled results that undo and redo find again [bytes]: an eighth of the machine's, 2 GiB at
+  /// most.
+  std::size_t undoBytes = std::min(workerMemoryLimit() / 6, std::size_t{2} << 30);
 };
 
 /// Keeps meshes, domain and tissues in step with a project that changes: each request is answered
 /// in the background by as little work as it takes (live_parts.h), the newest first. Work that a
 /// newer request has made stale is cancelled, and nothing of it is told. Once all is answered and
-/// curves have moved to where tets are large, the domain is made anew with small tets around them.
+/// curves have moved to where tets are large, the domain is made anew with small tets around them;
+/// what is there stays until the same tissues are there on the new one.
 class LiveEngine {
  public:
   /// @param sink  called on the engine's own thread; must not wait for the engine
@@ -82,6 +91,8 @@ class LiveEngine {
   /// @param anew  another project, or files may have changed: everything is read and told again
   /// Values and fat of a project whose curves have not changed are no reason to answer.
   void request(model::Project project, std::uint64_t revision, bool anew = false);
+  /// LiveOptions::refine, from the next request on.
+  void setRefining(bool on);
   /// Gives up what is being computed; what is there stays. The next request goes on from there.
   void cancel();
 

@@ -64,6 +64,7 @@ int run(int argc, char** argv) {
       return 2;
     }
   }
+  options.refine = QSettings().value("refine", true).toBool();
   applyTheme(app, static_cast<Theme>(QSettings().value("theme", 0).toInt()));
   MainWindow window(options);
   // A terminal that the window was started from is told the same

@@ -42,7 +42,8 @@ QColor screenColour(const render::Rgba& c) {
 
 }  // namespace
 
-MainWindow::MainWindow(engine::LiveOptions options) : session_(std::make_unique<Session>(options)) {
+MainWindow::MainWindow(engine::LiveOptions options)
+    : session_(std::make_unique<Session>(options)), refining_(options.refine) {
   setObjectName("mainWindow");
   setAcceptDrops(true);
   resize(1440, 900);

@@ -58,6 +58,7 @@ class MainWindow : public QMainWindow {
 
  private:
   std::unique_ptr<Session> session_;
+  bool refining_ = false;  // as it began; the menu's mark tells from then on
   Background background_;
 
   QStackedWidget* pages_ = nullptr;

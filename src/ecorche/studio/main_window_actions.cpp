@@ -7,6 +7,7 @@
 #include <QFileDialog>
 #include <QMenuBar>
 #include <QMessageBox>
+#include <QSettings>
 #include <QToolBar>
 
 namespace ecorche::studio {
@@ -85,6 +86,14 @@ void MainWindow::makeActions() {
   QAction* muscles = add("endsOnMuscles", tr("Ends may sit on muscles"), {}, [this] {
     drawTool_->setEndsOnMuscles(act("endsOnMuscles")->isChecked());
   });
+  QAction* refine = add("refine", tr("&Refine around muscles"), {}, [this] {
+    const bool on = act("refine")->isChecked();
+    QSettings().setValue("refine", on);
+    session_->setRefining(on);
+  });
+  refine->setCheckable(true);
+  refine->setChecked(refining_);
+  refine->setToolTip(tr("When the hand rests, tets are made anew: small where muscles meet"));
   planes->setCheckable(true);
   muscles->setCheckable(true);
 
@@ -161,7 +170,7 @@ void MainWindow::makeMenus() {
   fill(menuBar()->addMenu(tr("&Edit")), {"undo", "redo", "", "duplicate", "mirror", "split",
                                          "protect", "delete", "", "thicker", "thinner"});
   fill(menuBar()->addMenu(tr("&Muscle")),
-       {"select", "draw", "drawHead", "click", "", "endsOnPlanes", "endsOnMuscles"});
+       {"select", "draw", "drawHead", "click", "", "endsOnPlanes", "endsOnMuscles", "", "refine"});
   QMenu* view = menuBar()->addMenu(tr("&View"));
   fill(view, {"frame", "frameAll", "", "front", "back", "side", "otherSide", "top", "bottom",
               "parallel", "", "hide", "solo", "xray", "showAll", "", "spread"});

@@ -223,6 +223,11 @@ void Session::stopComputing() {
   setSettled(true);
 }
 
+void Session::setRefining(bool on) {
+  engine_->setRefining(on);
+  if (open_ && on) changed();
+}
+
 std::optional<MirrorPlane> Session::mirrorPlane() const {
   if (const auto plane = symmetryPlane(project())) return plane;
   if (mirrorOf_ != meshes_) {

@@ -88,6 +88,8 @@ class Session : public QObject {
            !measuring_.isBusy() && !directing_.isBusy();
   }
   void stopComputing();
+  /// Whether tets are made anew, small around muscles, when the hand rests.
+  void setRefining(bool on);
   void reloadMeshes();  ///< files may have changed
   /// [m³]; nothing while it has no body.
   [[nodiscard]] std::optional<double> volumeOf(const std::string& tissue) const;
