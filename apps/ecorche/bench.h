@@ -9,6 +9,7 @@ namespace ecorche::cli {
 /// The form of every bench (DESIGN, command line): its name, the machine, and no case yet.
 [[nodiscard]] nlohmann::ordered_json benchHeader(const char* bench);
 
+void addBenchAdaptive(CLI::App& bench, Commands& commands);
 void addBenchDrag(CLI::App& bench, Commands& commands);
 void addBenchSettle(CLI::App& bench, Commands& commands);
 void addBenchStrokes(CLI::App& bench, Commands& commands);

@@ -364,6 +364,7 @@ void addBench(CLI::App& app, Commands& commands) {
   view->add_flag("--without-paper", args->withoutPaper, "Leave the paper's way out");
   bench->footer(
       "Examples:\n"
+      "  ecorche bench adaptive left-39.ecorche --tets 80k,160k,320k,640k --reference 4M\n"
       "  ecorche bench drag left-39.ecorche bench/drags/left-39.json --tets 640k\n"
       "  ecorche bench resolution hind-limb.ecorche --tets 120k,640k,1.5M\n"
       "  ecorche bench preview hind-limb.ecorche --preview 640k --tets 640k\n"
@@ -375,6 +376,7 @@ void addBench(CLI::App& app, Commands& commands) {
   commands.push_back({preview, [args](Session& s) { return runPreview(*args, s); }});
   commands.push_back({view, [args](Session& s) { return runView(*args, s); }});
   commands.push_back({scale, [args](Session& s) { return runScale(*args, s); }});
+  addBenchAdaptive(*bench, commands);
   addBenchDrag(*bench, commands);
   addBenchSettle(*bench, commands);
   addBenchStrokes(*bench, commands);
