@@ -7,8 +7,8 @@ target_compile_options(ecorche_options INTERFACE -Wall -Wextra -Wshadow=local -W
 # Symbols for profiles cost nothing at run time; line tables alone keep the build small and quick.
 target_compile_options(ecorche_options INTERFACE $<$<CONFIG:Release>:-g1>)
 if(ECORCHE_SANITIZE)
-  target_compile_options(ecorche_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -O1)
-  target_link_options(ecorche_options INTERFACE -fsanitize=address,undefined)
+  target_compile_options(ecorche_options INTERFACE -fsanitize=${ECORCHE_SANITIZE} -fno-omit-frame-pointer -O1)
+  target_link_options(ecorche_options INTERFACE -fsanitize=${ECORCHE_SANITIZE})
 endif()
 if(ECORCHE_FUZZ)
   target_compile_options(ecorche_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined
@@ -44,8 +44,14 @@ function(ecorche_add_module name)
   if((ECORCHE_SANITIZE OR ECORCHE_FUZZ) AND ARG_UNSANITIZED)
     # Eigen aligns by itself where g++ says that AddressSanitizer is at work; what one file takes others free.
     # -O2 because most of a domain's time is spent here, and nothing is left that -O1 would show better
-    set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES COMPILE_OPTIONS
-      "-fno-sanitize=all;-g1$<$<BOOL:${ECORCHE_SANITIZE}>:;-O2;-DEIGEN_MALLOC_ALREADY_ALIGNED=0>")
+    set(options -fno-sanitize=all -g1)
+    if(ECORCHE_SANITIZE)
+      list(APPEND options -O2)
+    endif()
+    if(ECORCHE_SANITIZE MATCHES address)
+      list(APPEND options -DEIGEN_MALLOC_ALREADY_ALIGNED=0)
+    endif()
+    set_source_files_properties(${ARG_UNSANITIZED} PROPERTIES COMPILE_OPTIONS "${options}")
   endif()
   ecorche_compile_together(${target})
   add_library(ecorche::${name} ALIAS ${target})

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ecorche/core/run_context.h>
+#include <ecorche/studio/postbox.h>
 
 #include <QObject>
 #include <functional>
@@ -30,6 +31,7 @@ class Background : public QObject {
 
  private:
   std::shared_ptr<RunContext> run_;
+  Postbox post_;
   std::thread thread_;
 };
 

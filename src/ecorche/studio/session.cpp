@@ -2,7 +2,6 @@
 #include <ecorche/model/project_file.h>
 #include <ecorche/studio/session.h>
 
-#include <QMetaObject>
 #include <QPointer>
 #include <algorithm>
 
@@ -23,9 +22,7 @@ Session::Session(engine::LiveOptions options, QObject* parent)
   engine_ = std::make_unique<engine::LiveEngine>(
       [this](engine::LiveUpdate update) {
         auto shared = std::make_shared<engine::LiveUpdate>(std::move(update));
-        // Queued: it runs on the window's thread, and never once this object is gone
-        QMetaObject::invokeMethod(
-            this, [this, shared] { take(*shared); }, Qt::QueuedConnection);
+        post_.post([this, shared] { take(*shared); });
       },
       options);
 }

@@ -6,6 +6,7 @@
 #include <ecorche/render/volume_item.h>
 #include <ecorche/studio/background.h>
 #include <ecorche/studio/display.h>
+#include <ecorche/studio/postbox.h>
 #include <ecorche/studio/twins.h>
 
 #include <QObject>
@@ -162,6 +163,7 @@ class Session : public QObject {
   bool settled_ = true;
   QString lastFault_;
   std::set<std::string> findingsTold_;          // of the tissues at hand
+  Postbox post_;                                // from the engine's thread
   std::unique_ptr<engine::LiveEngine> engine_;  // last: gone before what its answers touch
 
   void changed(bool anew = false);
