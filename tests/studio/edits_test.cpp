@@ -146,7 +146,7 @@ TEST_CASE("any edits, however fast, end in the fields of a solve from scratch") 
   const std::uint64_t seed = chosen != nullptr ? std::strtoull(chosen, nullptr, 10) : 1;
   INFO("seed " << seed << ": repeat with ECORCHE_SEED=" << seed);
   test::application();
-  Session session({.tets = 20'000});
+  Session session({.tets = 20'000, .refine = true});
   session.start(test::arm(), {}, true);
   REQUIRE(test::waitFor([&] { return session.isSettled(); }, 60));
 

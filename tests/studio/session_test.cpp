@@ -45,6 +45,23 @@ TEST_CASE(
   CHECK(session.tissues()->domain == fine->domain);
 }
 
+TEST_CASE("a solve that is given up leaves the tissues at hand for tets to be refined around") {
+  test::application();
+  for (const int wait : {1, 5, 10, 15, 20, 30, 40}) {
+    INFO("undone after " << wait << " ms");
+    Session session({.tets = 30'000});
+    session.start(test::arm(), {}, true);
+    REQUIRE(waitFor([&] { return session.isSettled(); }));
+    const auto coarse = session.tissues();
+    REQUIRE(session.perform(model::MoveCurve{"brachialis", 0, {0.002, 0, 0}}, "Move"));
+    QTest::qWait(wait);
+    session.undo();
+    session.setRefining(true);
+    REQUIRE(waitFor([&] { return session.isSettled() && session.tissues() != coarse; }));
+    CHECK(session.tissues()->domain != coarse->domain);
+  }
+}
+
 TEST_CASE("undo and redo show what had been settled, and solve nothing") {
   test::application();
   Session session({.tets = 30'000});

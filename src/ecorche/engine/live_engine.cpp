@@ -62,11 +62,16 @@ struct Analysed {
   tissue::KeptTraces traces;
   std::optional<tissue::Settling> settling;
   tissue::SettledStore kept{0};
-  // Of the tissues at hand, for tets to be made small around them
+  std::shared_ptr<const render::VolumeGeometry> geometry;
+};
+
+/// What the tissues at hand were made of, for tets to be made small around them: all of it or what
+/// was there before, whatever has been given up meanwhile.
+struct AtHand {
+  std::shared_ptr<const domain::DomainBuild> domain;
   std::vector<tissue::CurveTissue> tissues;
   tissue::CoreSamples cores;
   tissue::SettledStore::Result settled;
-  std::shared_ptr<const render::VolumeGeometry> geometry;
 };
 
 struct Held {
@@ -111,6 +116,7 @@ struct LiveEngine::Impl {
   Made<const domain::DomainBuild> domain;
   Made<LiveTissues> tissues;
   Analysed analysed;
+  AtHand atHand;
   std::vector<mesh::Vector3> sizedFor;  // control points when the domain was made
   bool isRefined = false;               // the domain knows of more than curves
 
@@ -142,7 +148,8 @@ struct LiveEngine::Impl {
                                                                   RunContext& run);
   Result<std::shared_ptr<LiveTissues>> makeTissues(const model::Project& project, RunContext& run);
   Result<void> analyse(RunContext& run);
-  Result<void> settle(const tissue::TissueOptions& how, bool& isKept, RunContext& run);
+  Result<tissue::SettledStore::Result> settle(const AtHand& next, const tissue::TissueOptions& how,
+                                              bool& isKept, RunContext& run);
   [[nodiscard]] bool outgrown(const model::Project& project) const;
   [[nodiscard]] bool wantsRefining();
 };
@@ -294,17 +301,16 @@ Result<std::shared_ptr<const domain::DomainBuild>> LiveEngine::Impl::makeDomain(
 // Small tets where muscles meet, as those at hand tell; as many in all.
 Result<std::shared_ptr<const domain::DomainBuild>> LiveEngine::Impl::refineDomain(
     const model::Project& project, RunContext& run) {
-  const domain::Domain& there = analysed.domain->domain;
-  auto anatomy = envelope::buildAnatomy(there, analysed.settled->fields, analysed.cores, {}, run);
+  const domain::Domain& there = atHand.domain->domain;
+  auto anatomy = envelope::buildAnatomy(there, atHand.settled->fields, atHand.cores, {}, run);
   if (!anatomy) return passOn(anatomy);
-  return makeDomain(project,
-                    lengthsWhereTissuesMeet(anatomy->anatomy, analysed.tissues, there.skinDiagonal),
-                    run);
+  return makeDomain(
+      project, lengthsWhereTissuesMeet(anatomy->anatomy, atHand.tissues, there.skinDiagonal), run);
 }
 
 bool LiveEngine::Impl::wantsRefining() {
   const std::lock_guard lock(mutex);
-  return refining && !analysed.tissues.empty();
+  return refining && !atHand.tissues.empty();
 }
 
 // Whether curves have left the places that the domain's tets were made small for.
@@ -336,16 +342,17 @@ Result<void> LiveEngine::Impl::analyse(RunContext& run) {
 }
 
 // As it was before, where somebody has come back to it.
-Result<void> LiveEngine::Impl::settle(const tissue::TissueOptions& how, bool& isKept,
-                                      RunContext& run) {
-  analysed.settled = analysed.kept.find(analysed.tissues, how);
-  isKept = analysed.settled != nullptr;
-  if (isKept) return {};
-  auto settled = analysed.settling->solve(analysed.cores, analysed.tissues, how, run);
+Result<tissue::SettledStore::Result> LiveEngine::Impl::settle(const AtHand& next,
+                                                              const tissue::TissueOptions& how,
+                                                              bool& isKept, RunContext& run) {
+  tissue::SettledStore::Result kept = analysed.kept.find(next.tissues, how);
+  isKept = kept != nullptr;
+  if (isKept) return kept;
+  auto settled = analysed.settling->solve(next.cores, next.tissues, how, run);
   if (!settled) return passOn(settled);
-  analysed.settled = std::make_shared<const tissue::Settling::Settled>(std::move(*settled));
-  analysed.kept.keep(analysed.tissues, how, analysed.settled);
-  return {};
+  kept = std::make_shared<const tissue::Settling::Settled>(std::move(*settled));
+  analysed.kept.keep(next.tissues, how, kept);
+  return kept;
 }
 
 Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::Project& project,
@@ -383,12 +390,13 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
   }
 
   out->findings.insert(out->findings.end(), cores->findings.begin(), cores->findings.end());
-  analysed.cores = std::move(*cores);
-  analysed.tissues = std::move(all);
-  if (auto settled = settle(how, out->isKept, run); !settled) return passOn(settled);
-  out->fields = std::make_shared<tissue::ValueFields>(tissue::ValueFields::create(
-      {analysed.domain, &there}, analysed.settling->solver(), *analysed.settled, analysed.cores,
-      analysed.tissues, how, analysed.walker));
+  AtHand next{analysed.domain, std::move(all), std::move(*cores), nullptr};
+  auto settled = settle(next, how, out->isKept, run);
+  if (!settled) return passOn(settled);
+  next.settled = std::move(*settled);
+  out->fields = std::make_shared<tissue::ValueFields>(
+      tissue::ValueFields::create({analysed.domain, &there}, analysed.settling->solver(),
+                                  *next.settled, next.cores, next.tissues, how, analysed.walker));
   out->geometry = analysed.geometry;
   out->slotOf = std::move(slots);
   out->touching = touching(there.mesh, out->fields->owners());
@@ -399,6 +407,7 @@ Result<std::shared_ptr<LiveTissues>> LiveEngine::Impl::makeTissues(const model::
   out->fields->prepareMove({});  // so that whoever drags first need not wait
   out->seconds = run.seconds() - begin;
   if (run.cancelled()) return fail(ErrorCode::Cancelled, "cancelled while measuring volumes");
+  atHand = std::move(next);
   return out;
 }
 

@@ -222,7 +222,9 @@ void Session::stopComputing() {
 
 void Session::setRefining(bool on) {
   engine_->setRefining(on);
-  if (open_ && on) changed();
+  if (!open_ || !on) return;
+  setSettled(false);
+  requestSolve(false);
 }
 
 std::optional<MirrorPlane> Session::mirrorPlane() const {
