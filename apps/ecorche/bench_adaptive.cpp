@@ -35,13 +35,9 @@ Result<void> runAdaptive(const AdaptiveArguments& args, Session& session) {
   if (!project) return passOn(project);
   const auto reference = parseCount(args.reference);
   if (!reference) return passOn(reference);
-  std::vector<std::int64_t> tets;
-  for (const std::string& text : args.tets) {
-    const auto count = parseCount(text);
-    if (!count) return passOn(count);
-    tets.push_back(*count);
-  }
-  const auto bench = engine::benchAdaptive(*project, tets, *reference, session.run);
+  const auto tets = parseCounts(args.tets);
+  if (!tets) return passOn(tets);
+  const auto bench = engine::benchAdaptive(*project, *tets, *reference, session.run);
   if (!bench) return passOn(bench);
   auto json = benchHeader("adaptive");
   Table table({{"tets", Table::Align::Left},

@@ -38,13 +38,9 @@ nlohmann::ordered_json caseOf(const char* name, const engine::ValuesBench& bench
 Result<void> runValues(const ValuesArguments& args, Session& session) {
   const auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
-  std::optional<std::int64_t> tets;
-  if (!args.tets.empty()) {
-    const auto count = parseCount(args.tets);
-    if (!count) return passOn(count);
-    tets = *count;
-  }
-  const auto bench = engine::benchValues(*project, tets, args.edits, session.run);
+  const auto tets = parseCountIfAny(args.tets);
+  if (!tets) return passOn(tets);
+  const auto bench = engine::benchValues(*project, *tets, args.edits, session.run);
   if (!bench) return passOn(bench);
   auto json = benchHeader("values");
   Table table({{"act", Table::Align::Left},

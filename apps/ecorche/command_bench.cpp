@@ -145,33 +145,21 @@ std::string resolutionText(const engine::ResolutionBench& bench) {
 }
 
 Result<void> runResolution(const BenchArguments& args, Session& session) {
-  std::vector<std::int64_t> tets;
-  for (const std::string& text : args.tets) {
-    auto count = parseCount(text);
-    if (!count) return passOn(count);
-    tets.push_back(*count);
-  }
+  const auto tets = parseCounts(args.tets);
+  if (!tets) return passOn(tets);
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
-  auto bench = engine::benchResolution(*project, tets, session.run);
+  auto bench = engine::benchResolution(*project, *tets, session.run);
   if (!bench) return passOn(bench);
   fmt::print("{}", session.globals.json ? resolutionJson(*bench, "resolution").dump(2) + "\n"
                                         : resolutionText(*bench));
   return {};
 }
 
-/// Nothing where the project's own is meant.
-Result<std::optional<std::int64_t>> sizeAskedFor(const BenchArguments& args) {
-  if (args.size.empty()) return std::optional<std::int64_t>();
-  auto count = parseCount(args.size);
-  if (!count) return passOn(count);
-  return *count;
-}
-
 Result<void> runPreview(const BenchArguments& args, Session& session) {
   const auto preview = parseCount(args.preview);
   if (!preview) return passOn(preview);
-  const auto tets = sizeAskedFor(args);
+  const auto tets = parseCountIfAny(args.size);
   if (!tets) return passOn(tets);
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
@@ -184,7 +172,7 @@ Result<void> runPreview(const BenchArguments& args, Session& session) {
 }
 
 Result<void> runScale(const BenchArguments& args, Session& session) {
-  const auto tets = sizeAskedFor(args);
+  const auto tets = parseCountIfAny(args.size);
   if (!tets) return passOn(tets);
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);
@@ -290,7 +278,7 @@ std::string viewText(const std::vector<engine::ViewCase>& cases) {
 }
 
 Result<void> runView(BenchArguments args, Session& session) {
-  const auto tets = sizeAskedFor(args);
+  const auto tets = parseCountIfAny(args.size);
   if (!tets) return passOn(tets);
   auto project = model::loadProject(args.project);
   if (!project) return passOn(project);

@@ -33,11 +33,9 @@ Result<void> runBuild(const BuildArguments& args, Session& session) {
                                .mesherTimeout = args.mesherTimeout,
                                .useCache = !args.noCache,
                                .exact = args.exact};
-  if (!args.tets.empty()) {
-    auto tets = parseCount(args.tets);
-    if (!tets) return passOn(tets);
-    options.tets = *tets;
-  }
+  const auto tets = parseCountIfAny(args.tets);
+  if (!tets) return passOn(tets);
+  options.tets = *tets;
   options.onEstimate = [&](const engine::Estimate& estimate) {
     if (!session.globals.quiet) fmt::print(stderr, "estimate: {}\n", estimate.text());
   };

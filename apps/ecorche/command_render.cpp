@@ -71,12 +71,9 @@ Result<void> runRender(RenderArguments args, Session& session) {
   } else {
     auto project = model::loadProject(args.source);
     if (!project) return passOn(project);
-    engine::BuildOptions options;
-    if (!args.tets.empty()) {
-      auto tets = parseCount(args.tets);
-      if (!tets) return passOn(tets);
-      options.tets = *tets;
-    }
+    const auto tets = parseCountIfAny(args.tets);
+    if (!tets) return passOn(tets);
+    const engine::BuildOptions options{.tets = *tets};
     if (args.preview) {
       auto preview = engine::preparePreview(*project, options, session.run);
       if (!preview) return passOn(preview);

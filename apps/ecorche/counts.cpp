@@ -25,4 +25,21 @@ Result<std::int64_t> parseCount(const std::string& text) {
   return static_cast<std::int64_t>(value);
 }
 
+Result<std::optional<std::int64_t>> parseCountIfAny(const std::string& text) {
+  if (text.empty()) return std::optional<std::int64_t>();
+  const auto count = parseCount(text);
+  if (!count) return passOn(count);
+  return *count;
+}
+
+Result<std::vector<std::int64_t>> parseCounts(const std::vector<std::string>& texts) {
+  std::vector<std::int64_t> out;
+  for (const std::string& text : texts) {
+    const auto count = parseCount(text);
+    if (!count) return passOn(count);
+    out.push_back(*count);
+  }
+  return out;
+}
+
 }  // namespace ecorche::cli

@@ -69,13 +69,9 @@ Result<RecordedDrags> loadRecordedDrags(const std::string& project, const std::s
   auto scripts = loadDrags(script);
   if (!scripts) return passOn(scripts);
   spreadOut(*loaded, anisotropic);
-  RecordedDrags out{std::move(*loaded), std::move(*scripts), {}};
-  if (!tets.empty()) {
-    const auto count = parseCount(tets);
-    if (!count) return passOn(count);
-    out.tets = *count;
-  }
-  return out;
+  const auto count = parseCountIfAny(tets);
+  if (!count) return passOn(count);
+  return RecordedDrags{std::move(*loaded), std::move(*scripts), *count};
 }
 
 void addAnisotropic(CLI::App& bench, int& count) {

@@ -50,8 +50,7 @@ Result<Interfaces> interfacesOn(const model::Project& project, const ProjectMesh
   if (!solved) return passOn(solved);
   auto anatomy = envelope::buildAnatomy(built->domain, solved->fields, solved->cores, {}, run);
   if (!anatomy) return passOn(anatomy);
-  std::vector<std::string> names{"fat"};
-  for (const auto& tissue : tissues) names.push_back(tissue.name);
+  const auto names = fieldNames(tissues);
   Interfaces out;
   out.tets = built->domain.mesh.T.rows();
   out.vertices = built->domain.mesh.V.rows();

@@ -145,8 +145,7 @@ Result<Build> build(const model::Project& project, const BuildOptions& options, 
   }
   {
     const Stage stage(run, "surfaces");
-    std::vector<std::string> names{"fat"};
-    for (const auto& tissue : out.tissues) names.push_back(tissue.name);
+    const auto names = fieldNames(out.tissues);
     out.surfaces = envelope::tissueSurfaces(out.anatomy, names);
     out.measures = envelope::measureTissues(out.anatomy, names.size());
   }

@@ -1,5 +1,6 @@
 #include <ecorche/core/parallel.h>
 #include <ecorche/engine/draft.h>
+#include <ecorche/engine/inputs.h>
 #include <ecorche/envelope/envelope.h>
 #include <ecorche/envelope/tissue_surface.h>
 #include <ecorche/tissue/solve_tissues.h>
@@ -76,8 +77,7 @@ std::vector<double> lengthsOn(const envelope::TissueSurface& surface, double vol
 std::vector<WantedLength> lengthsWhereTissuesMeet(const envelope::Anatomy& anatomy,
                                                   const std::vector<tissue::CurveTissue>& tissues,
                                                   double diagonal) {
-  std::vector<std::string> names{"fat"};
-  for (const auto& tissue : tissues) names.push_back(tissue.name);
+  const auto names = fieldNames(tissues);
   const auto surfaces = envelope::tissueSurfaces(anatomy, names);
   const auto measures = envelope::measureTissues(anatomy, names.size());
 

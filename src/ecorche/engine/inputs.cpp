@@ -207,6 +207,12 @@ std::vector<domain::CutPlane> cutPlanes(const model::Project& project) {
   return out;
 }
 
+std::vector<std::string> fieldNames(const std::vector<tissue::CurveTissue>& tissues) {
+  std::vector<std::string> out{"fat"};
+  for (const tissue::CurveTissue& tissue : tissues) out.push_back(tissue.name);
+  return out;
+}
+
 tissue::TissueOptions tissueOptions(const model::Project& project) {
   return {.fat = project.settings.fat,
           .coreRadius = project.settings.coreRadius,

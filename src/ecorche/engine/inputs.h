@@ -41,4 +41,7 @@ struct ProjectMeshes {
 
 [[nodiscard]] tissue::TissueOptions tissueOptions(const model::Project& project);
 
+/// Fat's and theirs, in the order of fields: entry i is that of tissue id i + 1.
+[[nodiscard]] std::vector<std::string> fieldNames(const std::vector<tissue::CurveTissue>& tissues);
+
 }  // namespace ecorche::engine

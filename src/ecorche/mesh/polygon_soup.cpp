@@ -1,3 +1,4 @@
+#include <ecorche/core/index.h>
 #include <ecorche/mesh/polygon_soup.h>
 
 #include <Eigen/Geometry>
@@ -67,8 +68,8 @@ class EarClipper {
       : p_(std::move(flat)), next_(p_.size()), previous_(p_.size()), gone_(p_.size(), 0) {
     const auto n = static_cast<std::int32_t>(p_.size());
     for (std::int32_t k = 0; k < n; ++k) {
-      next_[index(k)] = (k + 1) % n;
-      previous_[index(k)] = (k + n - 1) % n;
+      next_[toIndex(k)] = (k + 1) % n;
+      previous_[toIndex(k)] = (k + n - 1) % n;
     }
     double extent = 0.0;
     for (const Point2& q : p_) extent = std::max(extent, (q - p_[0]).squaredNorm());
@@ -92,46 +93,46 @@ class EarClipper {
                        refused >= 2 * left || budget_ <= 0;
       if (!ear) {
         ++refused;
-        at = next_[index(at)];
+        at = next_[toIndex(at)];
         continue;
       }
-      const std::int32_t before = previous_[index(at)];
-      const std::int32_t after = next_[index(at)];
+      const std::int32_t before = previous_[toIndex(at)];
+      const std::int32_t after = next_[toIndex(at)];
       triangles.push_back({before, at, after});
-      next_[index(before)] = after;
-      previous_[index(after)] = before;
-      gone_[index(at)] = 1;
-      at = next_[index(after)];  // skipping one makes rounder triangles than a fan
+      next_[toIndex(before)] = after;
+      previous_[toIndex(after)] = before;
+      gone_[toIndex(at)] = 1;
+      at = next_[toIndex(after)];  // skipping one makes rounder triangles than a fan
       --left;
       refused = 0;
     }
-    triangles.push_back({previous_[index(at)], at, next_[index(at)]});
+    triangles.push_back({previous_[toIndex(at)], at, next_[toIndex(at)]});
     return triangles;
   }
 
  private:
-  static std::size_t index(std::int32_t k) { return static_cast<std::size_t>(k); }
   double turn(std::int32_t k) const {
-    return cross(p_[index(previous_[index(k)])], p_[index(k)], p_[index(next_[index(k)])]);
+    return cross(p_[toIndex(previous_[toIndex(k)])], p_[toIndex(k)],
+                 p_[toIndex(next_[toIndex(k)])]);
   }
 
   // No other corner in the triangle at k. Corners at the place of the triangle's own (a keyhole's
   // seam) are let be.
   bool isEmpty(std::int32_t k, double margin) {
-    const Point2& a = p_[index(previous_[index(k)])];
-    const Point2& b = p_[index(k)];
-    const Point2& c = p_[index(next_[index(k)])];
+    const Point2& a = p_[toIndex(previous_[toIndex(k)])];
+    const Point2& b = p_[toIndex(k)];
+    const Point2& c = p_[toIndex(next_[toIndex(k)])];
     for (std::size_t r = 0; r < blunt_.size();) {
       const std::int32_t q = blunt_[r];
       --budget_;
       // Corners turn convex as their neighbours go; they leave the list when they are met
-      if (gone_[index(q)] || turn(q) > straight_) {
+      if (gone_[toIndex(q)] || turn(q) > straight_) {
         blunt_[r] = blunt_.back();
         blunt_.pop_back();
         continue;
       }
       ++r;
-      const Point2& x = p_[index(q)];
+      const Point2& x = p_[toIndex(q)];
       if (x == a || x == b || x == c) continue;
       if (cross(a, b, x) >= margin && cross(b, c, x) >= margin && cross(c, a, x) >= margin) {
         return false;
