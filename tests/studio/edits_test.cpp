@@ -141,7 +141,7 @@ void checkAgainstScratch(const Session& session) {
 TEST_CASE("any edits, however fast, end in the fields of a solve from scratch") {
   // ECORCHE_EDITS for the long checks: 10,000
   const char* asked = std::getenv("ECORCHE_EDITS");
-  const int edits = asked != nullptr ? std::atoi(asked) : 300;
+  const int edits = asked != nullptr ? std::atoi(asked) : 100;
   const char* chosen = std::getenv("ECORCHE_SEED");
   const std::uint64_t seed = chosen != nullptr ? std::strtoull(chosen, nullptr, 10) : 1;
   INFO("seed " << seed << ": repeat with ECORCHE_SEED=" << seed);
